@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// camera.c - cameras made from numbers, and .cameramodel files written with all digits.
+#include "base/camera.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/image.h"
+
+sheen_status sheen_camera_opencv(sheen_camera *cam, int width_px, int height_px, const double fxycxy[4],
+                                 const double *distortion, int n_distortion, sheen_err *err)
+{
+    static const struct {
+        int n;
+        const char *name;
+    } models[] = {{0, "LENSMODEL_PINHOLE"},
+                  {4, "LENSMODEL_OPENCV4"},
+                  {5, "LENSMODEL_OPENCV5"},
+                  {8, "LENSMODEL_OPENCV8"},
+                  {12, "LENSMODEL_OPENCV12"}};
+    const char *name = NULL;
+    for (size_t i = 0; i < sizeof models / sizeof *models; i++)
+        if (models[i].n == n_distortion)
+            name = models[i].name;
+    if (!name)
+        return sheen_fail(err, SHEEN_EARG,
+                          "no lens model has %d distortion coefficients (0, 4, 5, 8 and 12 do)",
+                          n_distortion);
+    *cam = (sheen_camera){.n_intrinsics = 4 + n_distortion, .width_px = width_px, .height_px = height_px};
+    snprintf(cam->lensmodel, sizeof cam->lensmodel, "%s", name);
+    memcpy(cam->intrinsics, fxycxy, 4 * sizeof *fxycxy);
+    if (n_distortion)
+        memcpy(cam->intrinsics + 4, distortion, (size_t)n_distortion * sizeof *distortion);
+    const sheen_status s = sheen_camera_check(cam, err);
+    if (err && s)
+        err->code = SHEEN_EARG;
+    return s ? SHEEN_EARG : SHEEN_OK;
+}
+
+sheen_status sheen_camera_scale(sheen_camera *out, const sheen_camera *cam, double factor, sheen_err *err)
+{
+    if (strstr(cam->lensmodel, "SPLINED"))
+        return sheen_fail(err, SHEEN_EUNSUP,
+                          "a splined lens model cannot be scaled: render at its own %d x %d", cam->width_px,
+                          cam->height_px);
+    if (!(factor > 0) || !isfinite(factor))
+        return sheen_fail(err, SHEEN_EARG, "cannot scale a camera by %g", factor);
+    *out = *cam;
+    out->width_px = (int)lround(cam->width_px * factor);
+    out->height_px = (int)lround(cam->height_px * factor);
+    for (int i = 0; i < 2; i++) {
+        out->intrinsics[i] = cam->intrinsics[i] * factor;
+        out->intrinsics[2 + i] = (cam->intrinsics[2 + i] + 0.5) * factor - 0.5;
+    }
+    return sheen_camera_check(out, err);
+}
+
+sheen_status sheen_camera_load(sheen_camera *cam, const char *path, sheen_err *err)
+{
+    uint8_t *data;
+    size_t size_bytes;
+    sheen_status s = sheen_file_read(&data, &size_bytes, path, (size_t)64 << 20, err);
+    if (s)
+        return s;
+    s = sheen_camera_parse(cam, data, size_bytes, err);
+    free(data);
+    return s ? sheen_wrap(err, s, "cannot read '%s'", path) : SHEEN_OK;
+}
+
+// A text that grows within a buffer of fixed size; `fits` turns false where it would not.
+typedef struct text {
+    char *data;
+    size_t size_bytes, used_bytes;
+    int fits;
+} text;
+
+static void add(text *t, const char *fmt, ...) SHEEN_PRINTF(2, 3);
+
+static void add(text *t, const char *fmt, ...)
+{
+    va_list args;
+    va_start(args, fmt);
+    const size_t room = t->size_bytes - t->used_bytes;
+    const int n = vsnprintf(t->data + t->used_bytes, room, fmt, args);
+    va_end(args);
+    if (n < 0 || (size_t)n >= room)
+        t->fits = 0;
+    else
+        t->used_bytes += (size_t)n;
+}
+
+static void add_numbers(text *t, const char *key, const double *x, int n)
+{
+    add(t, "    '%s': [", key);
+    for (int i = 0; i < n; i++)
+        add(t, " %.17g,", x[i]);
+    add(t, "],\n");
+}
+
+// mrcal 2.2's own writer keeps six decimals, which is too few for tangential distortion.
+sheen_status sheen_camera_save(const sheen_camera *cam, const char *path, sheen_err *err)
+{
+    sheen_status s = sheen_camera_check(cam, err);
+    if (s)
+        return s;
+    text t = {.size_bytes = 1024 + 32 * (size_t)(cam->n_intrinsics + 6), .fits = 1};
+    t.data = malloc(t.size_bytes);
+    if (!t.data)
+        return sheen_fail_memory(err, (double)t.size_bytes, path);
+    add(&t, "{\n    'lensmodel':  '%s',\n\n", cam->lensmodel);
+    add(&t, "    # intrinsics are fx,fy,cx,cy,distortion0,distortion1,....\n");
+    add_numbers(&t, "intrinsics", cam->intrinsics, cam->n_intrinsics);
+    add(&t, "\n    # extrinsics are rt_fromref\n");
+    add_numbers(&t, "extrinsics", cam->rt_cam_ref, 6);
+    add(&t, "\n    'imagersize': [ %d, %d,],\n}\n", cam->width_px, cam->height_px);
+    s = t.fits ? sheen_file_write(path, t.data, t.used_bytes, err)
+               : sheen_fail(err, SHEEN_EARG, "camera is too large to write to '%s'", path);
+    free(t.data);
+    return s;
+}

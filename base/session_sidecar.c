@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// session_sidecar.c - a frame's description, frames/<name>.json, to and from memory.
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/json_write.h"
+#include "base/session_private.h"
+
+enum { SIDECAR_VERSION = 1, NAME_MAX_BYTES = 60, EXTENSION_MAX_BYTES = 8 };
+
+static const char *const role_names[SHEEN_ROLE_COUNT] = {
+    [SHEEN_ROLE_INPUT] = "input",
+    [SHEEN_ROLE_CALIBRATION] = "calibration",
+    [SHEEN_ROLE_TEST] = "test",
+};
+
+const char *sheen_role_name(sheen_role r)
+{
+    return role_names[r];
+}
+
+sheen_status sheen_role_from_name(sheen_role *out, const char *name, sheen_err *err)
+{
+    for (int i = 0; i < SHEEN_ROLE_COUNT; i++)
+        if (!strcmp(name, role_names[i])) {
+            *out = (sheen_role)i;
+            return SHEEN_OK;
+        }
+    return sheen_fail(err, SHEEN_EARG, "unknown role '%.60s': use 'input', 'calibration' or 'test'", name);
+}
+
+void sheen_frame_info_init(sheen_frame_info *f)
+{
+    *f = (sheen_frame_info){0};
+    f->t_ns = f->sequence = -1;
+    f->table_asked_deg = f->table_measured_deg = (double)NAN;
+}
+
+bool sheen_frame_name_ok(const char *name)
+{
+    const size_t n = strlen(name);
+    if (!n || n > NAME_MAX_BYTES || name[0] == '.')
+        return false;
+    for (const char *c = name; *c; c++)
+        if (!isalnum((unsigned char)*c) && !strchr("._-", *c))
+            return false;
+    return true;
+}
+
+bool sheen_frame_extension_ok(const char *extension)
+{
+    const size_t n = strlen(extension);
+    if (!n || n > EXTENSION_MAX_BYTES || !strcmp(extension, "json"))
+        return false;
+    for (const char *c = extension; *c; c++)
+        if (!islower((unsigned char)*c) && !isdigit((unsigned char)*c))
+            return false;
+    return true;
+}
+
+// V4L2's way to write a pixel format: four characters, "-BE" after them where bit 31 is set.
+static void write_fourcc(sheen_json_writer *w, uint32_t fourcc)
+{
+    char text[8] = "";
+    for (int i = 0; i < 4; i++) {
+        const char c = (char)(fourcc >> (8 * i) & 0x7f);
+        text[i] = isprint((unsigned char)c) ? c : '?';
+    }
+    if (fourcc >> 31)
+        memcpy(text + 4, "-BE", 4);
+    sheen_json_put_string(w, "fourcc", fourcc ? text : NULL);
+}
+
+static sheen_status parse_fourcc(uint32_t *out, const sheen_json *root, sheen_err *err)
+{
+    const sheen_json *v = sheen_json_get(root, "fourcc");
+    *out = 0;
+    if (!sheen_json_is_string(v))
+        return SHEEN_OK;
+    const char *text = sheen_json_value_string(v, "");
+    const size_t n = strlen(text);
+    if (n != 4 && (n != 7 || strcmp(text + 4, "-BE") != 0))
+        return sheen_fail(err, SHEEN_EFORMAT, "'fourcc' is '%.20s', not four characters", text);
+    for (int i = 0; i < 4; i++)
+        *out |= ((uint32_t)(unsigned char)text[i] & 0x7f) << (8 * i);
+    if (n == 7)
+        *out |= UINT32_C(1) << 31;
+    return SHEEN_OK;
+}
+
+static sheen_status parse_names(sheen_frame_info *f, const sheen_json *root, sheen_err *err)
+{
+    const char *file, *role, *transfer, *digest, *source;
+    sheen_status s = sheen_json_string(root, "file", &file, err);
+    if (!s)
+        s = sheen_json_string(root, "role", &role, err);
+    if (!s)
+        s = sheen_json_string(root, "transfer", &transfer, err);
+    if (!s)
+        s = sheen_json_string(root, "payload_digest", &digest, err);
+    if (!s)
+        s = sheen_json_string(root, "source", &source, err);
+    if (s)
+        return s;
+    if (strlen(file) >= sizeof f->file || strchr(file, '/') ||
+        !sheen_frame_extension_ok(sheen_path_extension(file)))
+        return sheen_fail(err, SHEEN_EFORMAT, "'%.80s' is no name for a payload file", file);
+    if (strlen(digest) != 32 || strspn(digest, "0123456789abcdef") != 32)
+        return sheen_fail(err, SHEEN_EFORMAT, "'payload_digest' is not 32 hexadecimal digits");
+    snprintf(f->file, sizeof f->file, "%s", file);
+    snprintf(f->payload_digest, sizeof f->payload_digest, "%s", digest);
+    snprintf(f->source, sizeof f->source, "%s", source);
+    if (sheen_role_from_name(&f->role, role, err) || sheen_transfer_from_name(&f->transfer, transfer, err))
+        return err ? (err->code = SHEEN_EFORMAT) : SHEEN_EFORMAT;
+    return SHEEN_OK;
+}
+
+static sheen_status parse_numbers(sheen_frame_info *f, const sheen_json *root, sheen_err *err)
+{
+    sheen_status s = sheen_json_int(root, "width_px", 1, SHEEN_IMAGE_MAX_SIDE_PX, &f->width_px, err);
+    if (!s)
+        s = sheen_json_int(root, "height_px", 1, SHEEN_IMAGE_MAX_SIDE_PX, &f->height_px, err);
+    if (!s)
+        s = sheen_json_int(root, "stride_bytes", 0, 16 * SHEEN_IMAGE_MAX_SIDE_PX, &f->stride_bytes, err);
+    if (!s)
+        s = sheen_json_int64(root, "t_ns", &f->t_ns, err);
+    if (!s)
+        s = sheen_json_int64(root, "sequence", &f->sequence, err);
+    if (s)
+        return s;
+    f->table_asked_deg = sheen_json_value_number(sheen_json_get(root, "table_asked_deg"), (double)NAN);
+    f->table_measured_deg = sheen_json_value_number(sheen_json_get(root, "table_measured_deg"), (double)NAN);
+    return SHEEN_OK;
+}
+
+sheen_status sheen_frame_info_parse(sheen_frame_info *f, const void *data, size_t size_bytes, sheen_err *err)
+{
+    char name[sizeof f->name];
+    memcpy(name, f->name, sizeof name);
+    sheen_frame_info_init(f);
+    memcpy(f->name, name, sizeof name);
+    sheen_json *root = NULL;
+    sheen_status s = sheen_json_parse(&root, data, size_bytes, err);
+    if (!s)
+        s = sheen_json_schema(root, "sheen-frame", SIDECAR_VERSION, NULL, err);
+    if (!s)
+        s = parse_names(f, root, err);
+    if (!s)
+        s = parse_numbers(f, root, err);
+    if (!s)
+        s = parse_fourcc(&f->fourcc, root, err);
+    sheen_json_free(&root);
+    return s;
+}
+
+sheen_status sheen_frame_info_save(const sheen_frame_info *f, const char *path, sheen_err *err)
+{
+    sheen_json_writer w = {0};
+    sheen_json_open(&w, NULL, '{');
+    sheen_json_put_string(&w, "schema", "sheen-frame/1");
+    sheen_json_put_string(&w, "file", f->file);
+    sheen_json_put_string(&w, "role", sheen_role_name(f->role));
+    sheen_json_put_int(&w, "width_px", f->width_px);
+    sheen_json_put_int(&w, "height_px", f->height_px);
+    write_fourcc(&w, f->fourcc);
+    sheen_json_put_int(&w, "stride_bytes", f->stride_bytes);
+    sheen_json_put_string(&w, "transfer", sheen_transfer_name(f->transfer));
+    sheen_json_put_int(&w, "t_ns", f->t_ns);
+    sheen_json_put_int(&w, "sequence", f->sequence);
+    sheen_json_put_number(&w, "table_asked_deg", f->table_asked_deg);
+    sheen_json_put_number(&w, "table_measured_deg", f->table_measured_deg);
+    sheen_json_put_string(&w, "payload_digest", f->payload_digest);
+    sheen_json_put_string(&w, "source", f->source);
+    sheen_json_close(&w);
+    return sheen_json_save(&w, path, err);
+}
