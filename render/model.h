@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// model.h - what a fit found and a renderer needs: mesh, global texture, lights, k_S, sigma.
+//
+// In a session: model/model.json (parameters and lights), model/texture.exr (atlas), the session's mesh.
+#ifndef SHEEN_RENDER_MODEL_H
+#define SHEEN_RENDER_MODEL_H
+
+#include "base/json_write.h"
+#include "base/mesh.h"
+#include "base/session.h"
+#include "render/lobe.h"
+#include "render/texture.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct sheen_model {
+    char method[24]; // "paper"
+    sheen_mesh mesh; // frame obj
+    sheen_texture texture;
+    // Lights stand still in `world`: the board's frame where the camera moved, else the camera's.
+    sheen_moving moving;
+    double rt_world_obj[6]; // of a hand-held session (rt_board_obj); identity where the object moved
+    int frequency;          // of the geodesic hemisphere that the lights are nodes of
+    size_t n_hemisphere;    // N_L
+    uint32_t *node;         // [lights.count] index into that hemisphere
+    float *radiance;        // [lights.count] L_l
+    sheen_lights lights;    // directions in world; weight = (2 pi / N_L) L_l
+    double k_s, sigma_rad;
+    double light_rgb[3]; // average light colour, Y = 1: the specular layer is I_S times this
+} sheen_model;
+
+void sheen_model_init(sheen_model *m);
+void sheen_model_release(sheen_model *m);
+// Makes room for n lights (node, radiance and lights' arrays). ENOMEM.
+sheen_status sheen_model_set_lights(sheen_model *m, size_t n, sheen_err *err);
+
+// Into a folder (an unfinished model/ that the caller renames to its place): model.json and texture.exr. s:
+// the session whose mesh was fitted; its digest goes into model.json. `extra` (may be NULL) adds members to
+// model.json: the fit's report.
+sheen_status sheen_model_save(const sheen_model *m, const sheen_session *s, const char *dir,
+                              void (*extra)(void *self, sheen_json_writer *w), void *self, sheen_err *err);
+// Reads a session's model and mesh; every number is checked. EDATA: the session has no model yet. EFORMAT:
+// damaged, or the mesh is not the one that was fitted.
+sheen_status sheen_model_load(sheen_model *m, const sheen_session *s, sheen_err *err);
+// model.json alone from memory (lights and parameters; texture and mesh are left empty), and how many
+// triangles and texels an edge it says the texture has.
+sheen_status sheen_model_parse(sheen_model *m, const void *data, size_t size_bytes, size_t *n_triangles,
+                               int *texels_per_edge, sheen_err *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// model_private.h - what the reader and the writer of model.json share.
+#ifndef SHEEN_RENDER_MODEL_PRIVATE_H
+#define SHEEN_RENDER_MODEL_PRIVATE_H
+
+#include "render/model.h"
+
+#define SHEEN_MODEL_SCHEMA "sheen-model"
+enum { SHEEN_MODEL_VERSION = 1 };
+#define SHEEN_MODEL_FILE "model.json"
+#define SHEEN_MODEL_TEXTURE_FILE "texture.exr"
+
+// Every number of a model that is not the mesh's or the texture's. Fails with `code`.
+sheen_status sheen_model_check(const sheen_model *m, sheen_status code, sheen_err *err);
+
+// Nodes of the geodesic hemisphere of a frequency.
+size_t sheen_model_hemisphere_size(int frequency);
+
+#endif

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// texture.c - the global texture (section 3.2): a lattice of texels on every triangle, interpolated linearly.
+//
+// The lattice cuts a triangle into (T-1)^2 small ones, upright and upside down; a sample is the barycentric
+// mean of the three texels round it. Texels on an edge lie at the same points for both its triangles, so
+// where both hold the same values the picture is continuous across the edge.
+#include "render/texture.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/vec.h"
+
+sheen_status sheen_texture_init(sheen_texture *t, size_t n_triangles, int texels_per_edge, sheen_err *err)
+{
+    *t = (sheen_texture){0};
+    if (texels_per_edge < SHEEN_TEXTURE_MIN_EDGE || texels_per_edge > SHEEN_TEXTURE_MAX_EDGE)
+        return sheen_fail(err, SHEEN_EARG, "a texture of %d texels an edge is out of range (%d to %d)",
+                          texels_per_edge, SHEEN_TEXTURE_MIN_EDGE, SHEEN_TEXTURE_MAX_EDGE);
+    if (!n_triangles || n_triangles > SHEEN_MESH_MAX_TRIANGLES)
+        return sheen_fail(err, SHEEN_EARG, "a texture of %zu triangles is out of range", n_triangles);
+    const size_t n = n_triangles * sheen_texels_per_triangle(texels_per_edge);
+    t->texels_per_edge = texels_per_edge;
+    t->n_triangles = n_triangles;
+    t->rgb = calloc(n, 3 * sizeof *t->rgb);
+    t->n_views = calloc(n, sizeof *t->n_views);
+    if (!t->rgb || !t->n_views) {
+        sheen_texture_release(t);
+        return sheen_fail_memory(err, 13.0 * (double)n, "the texture; fewer texels an edge need less");
+    }
+    return SHEEN_OK;
+}
+
+void sheen_texture_release(sheen_texture *t)
+{
+    free(t->rgb);
+    free(t->n_views);
+    *t = (sheen_texture){0};
+}
+
+void sheen_texture_lattice(const sheen_mesh *mesh, size_t triangle, int texels_per_edge, float *p_obj,
+                           float *n_obj)
+{
+    const uint32_t *corner = mesh->triangles + 3 * triangle;
+    const float last = (float)(texels_per_edge - 1);
+    size_t texel = 0;
+    for (int j = 0; j < texels_per_edge; j++)
+        for (int i = 0; i + j < texels_per_edge; i++, texel++) {
+            const float b[3] = {(float)(texels_per_edge - 1 - i - j) / last, (float)i / last,
+                                (float)j / last};
+            float p[3] = {0, 0, 0}, n[3] = {0, 0, 0};
+            for (int c = 0; c < 3; c++)
+                for (int k = 0; k < 3; k++) {
+                    p[k] += b[c] * mesh->p_obj[3 * (size_t)corner[c] + (size_t)k];
+                    n[k] += b[c] * mesh->n_obj[3 * (size_t)corner[c] + (size_t)k];
+                }
+            sheen_normalizef(n);
+            memcpy(p_obj + 3 * texel, p, sizeof p);
+            if (n_obj)
+                memcpy(n_obj + 3 * texel, n, sizeof n);
+        }
+}
+
+// The lattice's small triangle at a place: its three texels' (i, j), and their weights.
+static void cell_at(int texels_per_edge, const sheen_hit *hit, int ij[3][2], float weight[3])
+{
+    const int last = texels_per_edge - 1;
+    const float a = hit->b1 * (float)last, b = hit->b2 * (float)last;
+    int i = (int)a, j = (int)b;
+    i = i < 0 ? 0 : i > last - 1 ? last - 1 : i;
+    j = j < 0 ? 0 : j > last - 1 ? last - 1 : j;
+    if (i + j > last - 1) { // on the far edge, by rounding: into the last small triangle before it
+        if (i > 0)
+            i = last - 1 - j;
+        else
+            j = last - 1 - i;
+    }
+    const float fi = a - (float)i, fj = b - (float)j;
+    if (fi + fj <= 1 || i + j == last - 1) {
+        const float over = fi + fj > 1 ? 1 / (fi + fj) : 1;
+        const int upright[3][2] = {{i, j}, {i + 1, j}, {i, j + 1}};
+        memcpy(ij, upright, sizeof upright);
+        weight[1] = fi * over;
+        weight[2] = fj * over;
+        weight[0] = 1 - weight[1] - weight[2];
+    } else {
+        const int turned[3][2] = {{i + 1, j + 1}, {i, j + 1}, {i + 1, j}};
+        memcpy(ij, turned, sizeof turned);
+        weight[0] = fi + fj - 1;
+        weight[1] = 1 - fi;
+        weight[2] = 1 - fj;
+    }
+}
+
+float sheen_texture_sample(const sheen_texture *t, const sheen_hit *hit, float rgb[3])
+{
+    int ij[3][2];
+    float weight[3], sum[3] = {0, 0, 0}, seen = 0;
+    cell_at(t->texels_per_edge, hit, ij, weight);
+    const size_t first = hit->triangle * sheen_texels_per_triangle(t->texels_per_edge);
+    for (int c = 0; c < 3; c++) {
+        const size_t texel = first + sheen_texel_index(t->texels_per_edge, ij[c][0], ij[c][1]);
+        if (!t->n_views[texel] || !(weight[c] > 0))
+            continue;
+        seen += weight[c];
+        for (int k = 0; k < 3; k++)
+            sum[k] += weight[c] * t->rgb[3 * texel + (size_t)k];
+    }
+    for (int k = 0; k < 3; k++)
+        rgb[k] = seen > 0 ? sum[k] / seen : 0;
+    return seen < 1 ? seen : 1;
+}
