@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// source.c - opens sources by URI and hands calls to their backends.
+#include "capture/source.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "capture/source_backend.h"
+
+struct sheen_source {
+    const sheen_source_backend *backend;
+    void *self;
+    atomic_bool stopped;
+};
+
+static const sheen_source_backend *const backends[] = {&sheen_source_replay};
+enum { N_BACKENDS = sizeof backends / sizeof *backends };
+
+// Kinds of sources that sheen's URIs have names for, so that a build without one can say that it is.
+static const char *const camera_schemes[] = {"v4l2", "libcamera"};
+
+const char *const *sheen_source_schemes(void)
+{
+    static const char *const schemes[] = {"replay", NULL};
+    return schemes;
+}
+
+static sheen_status find_backend(const sheen_source_backend **out, const char *uri, sheen_err *err)
+{
+    const char *colon = strchr(uri, ':');
+    const size_t n = colon ? (size_t)(colon - uri) : 0;
+    for (size_t i = 0; colon && i < N_BACKENDS; i++)
+        if (!strncmp(uri, backends[i]->scheme, n) && !backends[i]->scheme[n]) {
+            *out = backends[i];
+            return colon[1] ? SHEEN_OK
+                            : sheen_fail(err, SHEEN_EARG, "'%s' names nothing: write replay:SESSION", uri);
+        }
+    for (size_t i = 0; colon && i < sizeof camera_schemes / sizeof *camera_schemes; i++)
+        if (!strncmp(uri, camera_schemes[i], n) && !camera_schemes[i][n])
+            return sheen_fail(err, SHEEN_EUNSUP,
+                              "this build has no camera support for '%.200s': import image files, or use "
+                              "replay:SESSION",
+                              uri);
+    return sheen_fail(err, SHEEN_EARG, "unknown kind of source '%.200s': use replay:SESSION", uri);
+}
+
+sheen_status sheen_source_open(sheen_source **src_out, const char *uri, sheen_err *err)
+{
+    const sheen_source_backend *backend = NULL;
+    *src_out = NULL;
+    sheen_status s = find_backend(&backend, uri, err);
+    if (s)
+        return s;
+    sheen_source *src = calloc(1, sizeof *src);
+    if (!src)
+        return sheen_fail_memory(err, sizeof *src, "a source");
+    src->backend = backend;
+    atomic_init(&src->stopped, false);
+    s = backend->open(&src->self, strchr(uri, ':') + 1, err);
+    if (s) {
+        free(src);
+        return sheen_wrap(err, s, "cannot open source '%.200s'", uri);
+    }
+    *src_out = src;
+    return SHEEN_OK;
+}
+
+sheen_status sheen_source_next(sheen_source *src, int timeout_ms, sheen_frame *frame, sheen_err *err)
+{
+    *frame = (sheen_frame){0};
+    sheen_frame_info_init(&frame->info);
+    if (atomic_load(&src->stopped))
+        return sheen_fail(err, SHEEN_ECANCEL, "the source was stopped");
+    return src->backend->next(src->self, timeout_ms, frame, err);
+}
+
+int64_t sheen_source_count(const sheen_source *src)
+{
+    return src->backend->count ? src->backend->count(src->self) : -1;
+}
+
+void sheen_source_stop(sheen_source *src)
+{
+    atomic_store(&src->stopped, true);
+    if (src->backend->stop)
+        src->backend->stop(src->self);
+}
+
+void sheen_source_close(sheen_source **src)
+{
+    if (!src || !*src)
+        return;
+    (*src)->backend->close((*src)->self);
+    free(*src);
+    *src = NULL;
+}
