@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// calibrate_report.c - calibration.json: the summary of a calibration as other programs read it.
+#include <math.h>
+
+#include "base/json_write.h"
+#include "calib/calibrate_session.h"
+
+static void write_frame(sheen_json_writer *w, const sheen_calibration_frame *frame)
+{
+    sheen_json_open(w, NULL, '{');
+    sheen_json_put_string(w, "name", frame->name);
+    sheen_json_put_bool(w, "used", frame->used);
+    if (!frame->used)
+        sheen_json_put_string(w, "reason", frame->reason);
+    sheen_json_put_int(w, "corners", frame->n_corners);
+    if (frame->used) {
+        sheen_json_put_int(w, "outliers", frame->n_outliers);
+        sheen_json_put_number(w, "rms_px", frame->rms_px);
+        sheen_json_put_numbers(w, "rt_cam_board", frame->rt_cam_board, 6);
+    }
+    sheen_json_close(w);
+}
+
+static void write_difference(sheen_json_writer *w, const char *key, const sheen_camera_difference *d)
+{
+    sheen_json_open(w, key, '{');
+    sheen_json_put_number(w, "raw_rms_px", d->raw_rms_px);
+    sheen_json_put_number(w, "raw_max_px", d->raw_max_px);
+    sheen_json_put_number(w, "turned_rms_px", d->turned_rms_px);
+    sheen_json_put_number(w, "turned_max_px", d->turned_max_px);
+    sheen_json_put_number(w, "moved_rms_px", d->moved_rms_px);
+    sheen_json_put_number(w, "moved_max_px", d->moved_max_px);
+    sheen_json_close(w);
+}
+
+static void write_figures(sheen_json_writer *w, const sheen_calibration *c)
+{
+    sheen_json_put_string(w, "verdict", c->verdict);
+    sheen_json_put_bool(w, "good", c->good);
+    sheen_json_put_string(w, "lensmodel", c->camera.lensmodel);
+    sheen_json_put_numbers(w, "intrinsics", c->camera.intrinsics, (size_t)c->camera.n_intrinsics);
+    sheen_json_put_int(w, "width_px", c->camera.width_px);
+    sheen_json_put_int(w, "height_px", c->camera.height_px);
+    sheen_json_put_number(w, "rms_px", c->rms_px);
+    sheen_json_put_int(w, "frames_used", c->n_used);
+    sheen_json_put_int(w, "corners", c->n_corners);
+    sheen_json_put_int(w, "outliers", c->n_outliers);
+    sheen_json_put_number(w, "outlier_share", c->n_corners ? (double)c->n_outliers / c->n_corners : 0);
+    sheen_json_put_string(w, "worst_frame", c->frames[c->i_worst].name);
+    sheen_json_put_number(w, "coverage", c->coverage);
+    sheen_json_open(w, "coverage_cells", '[');
+    for (int row = 0; row < SHEEN_COVERAGE_ROWS; row++) {
+        double counts[SHEEN_COVERAGE_COLS];
+        for (int col = 0; col < SHEEN_COVERAGE_COLS; col++)
+            counts[col] = c->cells[row][col];
+        sheen_json_put_numbers(w, NULL, counts, SHEEN_COVERAGE_COLS);
+    }
+    sheen_json_close(w);
+    sheen_json_put_numbers(w, "board_warp_m", c->warp_m, 2);
+    sheen_json_put_number(w, "board_distance_m", c->distance_m);
+    sheen_json_put_number(w, "board_tilt_rad", c->tilt_rad);
+    sheen_json_put_number(w, "sigma_centre_px", c->sigma_centre_px);
+    sheen_json_put_number(w, "sigma_worst_px", c->sigma_worst_px);
+    if (c->has_halves)
+        write_difference(w, "halves", &c->halves);
+}
+
+sheen_status sheen_calibration_save(const sheen_calibration *c, const sheen_session *s, const char *path,
+                                    sheen_err *err)
+{
+    sheen_json_writer w = {0};
+    sheen_json_open(&w, NULL, '{');
+    sheen_json_put_string(&w, "schema", "sheen-calibration/1");
+    write_figures(&w, c);
+    sheen_json_open(&w, "frames", '[');
+    for (size_t i = 0; i < c->n_frames; i++)
+        write_frame(&w, &c->frames[i]);
+    sheen_json_close(&w);
+    if (s) {
+        const char *inputs[3];
+        sheen_calibration_inputs(inputs, s);
+        const sheen_status st = sheen_stamp_write(&w, s, inputs, err);
+        if (st) {
+            sheen_json_writer_release(&w);
+            return st;
+        }
+    }
+    sheen_json_close(&w);
+    return sheen_json_save(&w, path, err);
+}

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+// saddles.c - chessboard corners by way of the tags around them.
+//
+// For each printed corner: a homography from the tags within 1.7 squares predicts it to a fraction of a pixel
+// (local, so that the lens hardly bends it); the refinement then works in a window that ends before the tags; a
+// corner stays only where the four squares around it are as dark and bright as printed. Tags give identity and
+// place only: their own corners shrink inwards by tenths of a pixel under blur, saddles do not.
+#include "calib/saddles.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "calib/homography.h"
+#include "calib/saddle_refine.h"
+
+enum { MAX_NEAR = 8, MIN_HALF_PX = 2, MAX_HALF_PX = 8, MIN_CONTRAST = 15 };
+
+static const double NEAR_SQUARES = 1.7;
+static const double ADJACENT_SQUARES = 0.8; // the tags of the corner's own two white squares
+static const double WINDOW_OF_GAP = 0.9;
+
+typedef struct finder {
+    const sheen_board_view *view;
+    const uint8_t *grey;
+    const sheen_board *board;
+    double gap_m;     // from a corner to the tag in its white square, along each axis
+    int white_parity; // (row + col) & 1 of white squares
+} finder;
+
+static void tag_centre(double centre[2], const sheen_tag_seen *tag)
+{
+    for (int k = 0; k < 2; k++)
+        centre[k] = (tag->p_board[0][k] + tag->p_board[1][k] + tag->p_board[2][k] + tag->p_board[3][k]) / 4;
+}
+
+// The homography from the board to pixels around p_board; false where there are not enough tags.
+static bool local_homography(double H[9], const finder *f, const double p_board[3])
+{
+    double xy[8 * MAX_NEAR], q[8 * MAX_NEAR];
+    size_t n_near = 0, n_adjacent = 0;
+    for (size_t i = 0; i < f->view->n_tags && n_near < MAX_NEAR; i++) {
+        const sheen_tag_seen *tag = &f->view->tags[i];
+        double centre[2];
+        tag_centre(centre, tag);
+        const double squares = hypot(centre[0] - p_board[0], centre[1] - p_board[1]) / f->board->square_m;
+        if (squares > NEAR_SQUARES)
+            continue;
+        n_adjacent += squares < ADJACENT_SQUARES;
+        for (size_t k = 0; k < 4; k++) {
+            memcpy(xy + 8 * n_near + 2 * k, tag->p_board[k], 2 * sizeof *xy);
+            memcpy(q + 8 * n_near + 2 * k, tag->q_px[k], 2 * sizeof *q);
+        }
+        n_near++;
+    }
+    if (n_near < 2 && !n_adjacent)
+        return false;
+    return sheen_homography_fit(H, xy, q, 4 * n_near);
+}
+
+static bool map_offset(double q_px[2], const double H[9], const double p_board[3], double dx_m, double dy_m)
+{
+    return sheen_homography_apply(q_px, H, (const double[2]){p_board[0] + dx_m, p_board[1] + dy_m});
+}
+
+// Half the side of the window around q_px: it ends before the nearest ink of the two tags (their corner and the
+// two sides that meet there). 0 where that is too small to work with.
+static int window_half(const finder *f, const double H[9], const sheen_board_corner *corner,
+                       const double q_px[2])
+{
+    const double g = f->gap_m;
+    double nearest = MAX_HALF_PX / WINDOW_OF_GAP;
+    for (int dr = -1; dr <= 0; dr++)
+        for (int dc = -1; dc <= 0; dc++) {
+            if (((corner->row + dr + corner->col + dc) & 1) != f->white_parity)
+                continue;
+            const double sx = dc ? -1 : 1, sy = dr ? 1 : -1; // the board's y goes up the page, rows go down
+            const double along[4] = {1, 1.5, 2, 3};
+            for (int k = 0; k < 4; k++)
+                for (int side = 0; side < 2; side++) {
+                    double ink[2];
+                    if (!map_offset(ink, H, corner->p_board, sx * g * (side ? 1 : along[k]),
+                                    sy * g * (side ? along[k] : 1)))
+                        return 0;
+                    nearest = fmin(nearest, fmax(fabs(ink[0] - q_px[0]), fabs(ink[1] - q_px[1])));
+                }
+        }
+    const int half = (int)(WINDOW_OF_GAP * nearest);
+    return half < MIN_HALF_PX ? (nearest > MIN_HALF_PX ? MIN_HALF_PX : 0) : half;
+}
+
+static bool grey_at(double *out, const finder *f, const double q_px[2])
+{
+    const int width_px = f->view->width_px, height_px = f->view->height_px;
+    if (!(q_px[0] >= 0 && q_px[1] >= 0 && q_px[0] < width_px - 1 && q_px[1] < height_px - 1))
+        return false;
+    const int x = (int)q_px[0], y = (int)q_px[1];
+    const double a = q_px[0] - x, b = q_px[1] - y;
+    const uint8_t *p = f->grey + (size_t)y * (size_t)width_px + (size_t)x;
+    *out = (1 - b) * ((1 - a) * p[0] + a * p[1]) + b * ((1 - a) * p[width_px] + a * p[width_px + 1]);
+    return true;
+}
+
+// True where the white quadrants are bright and the black ones dark, each pair alike: an object's edge or a
+// highlight across the corner fails.
+static bool looks_printed(const finder *f, const double H[9], const sheen_board_corner *corner,
+                          const double q_px[2])
+{
+    double predicted[2], low[2] = {256, 256}, high[2] = {-1, -1}; // [1]: white
+    if (!map_offset(predicted, H, corner->p_board, 0, 0))
+        return false;
+    const double d = 0.55 * f->gap_m;
+    for (int dr = -1; dr <= 0; dr++)
+        for (int dc = -1; dc <= 0; dc++) {
+            double q[2], value;
+            if (!map_offset(q, H, corner->p_board, dc ? -d : d, dr ? d : -d))
+                return false;
+            q[0] += q_px[0] - predicted[0];
+            q[1] += q_px[1] - predicted[1];
+            if (!grey_at(&value, f, q))
+                return false;
+            const int white = ((corner->row + dr + corner->col + dc) & 1) == f->white_parity;
+            low[white] = fmin(low[white], value);
+            high[white] = fmax(high[white], value);
+        }
+    const double contrast = (low[1] + high[1] - low[0] - high[0]) / 2;
+    return contrast > MIN_CONTRAST && low[1] - high[0] > 0.5 * contrast;
+}
+
+static bool find_one(sheen_saddle *out, const finder *f, const sheen_board_corner *corner)
+{
+    double H[9], q[2];
+    if (!local_homography(H, f, corner->p_board) || !map_offset(q, H, corner->p_board, 0, 0))
+        return false;
+    const int half = window_half(f, H, corner, q);
+    if (!half || sheen_saddle_refine(q, f->grey, f->view->width_px, f->view->height_px, half, NULL))
+        return false;
+    if (!looks_printed(f, H, corner, q))
+        return false;
+    *out = (sheen_saddle){.row = corner->row, .col = corner->col, .q_px = {q[0], q[1]}};
+    memcpy(out->p_board, corner->p_board, sizeof out->p_board);
+    return true;
+}
+
+sheen_status sheen_saddles_find(sheen_board_view *view, const uint8_t *grey, const sheen_board *board,
+                                sheen_err *err)
+{
+    view->n_saddles = 0;
+    if (!view->n_tags || !board->n_tags)
+        return SHEEN_OK;
+    free(view->saddles);
+    view->saddles = calloc(board->n_corners, sizeof *view->saddles);
+    if (!view->saddles)
+        return sheen_fail_memory(err, (double)board->n_corners * sizeof *view->saddles, "corners");
+    const finder f = {.view = view,
+                      .grey = grey,
+                      .board = board,
+                      .gap_m = (board->square_m - board->tag_side_m) / 2,
+                      .white_parity = (board->tags[0].row + board->tags[0].col) & 1};
+    for (size_t i = 0; i < board->n_corners; i++)
+        if (board->corners[i].printed && find_one(&view->saddles[view->n_saddles], &f, &board->corners[i]))
+            view->n_saddles++;
+    return SHEEN_OK;
+}
+
+sheen_status sheen_board_observe(sheen_board_view *view, sheen_tag_detector *detector, const uint8_t *grey,
+                                 int width_px, int height_px, const sheen_board *board, sheen_err *err)
+{
+    *view = (sheen_board_view){.width_px = width_px, .height_px = height_px};
+    sheen_status s = sheen_tags_detect(&view->tags, &view->n_tags, detector, grey, width_px, height_px, board,
+                                       err);
+    if (!s)
+        s = sheen_saddles_find(view, grey, board, err);
+    if (s)
+        sheen_board_view_release(view);
+    return s;
+}

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// saddles.h - a frame's view of the board: its tags, and through them its chessboard corners.
+#ifndef SHEEN_CALIB_SADDLES_H
+#define SHEEN_CALIB_SADDLES_H
+
+#include <stdint.h>
+
+#include "base/board.h"
+#include "base/status.h"
+#include "calib/detect.h"
+#include "calib/view.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// Finds tags and saddles in an 8-bit picture (rows adjoin, perceptual code values). Only corners that are printed
+// are looked for; one that is covered, blurred away or too near the picture's edge is left out. A view without
+// tags is success. name and file are left empty. Release with sheen_board_view_release. ENOMEM.
+sheen_status sheen_board_observe(sheen_board_view *view, sheen_tag_detector *detector, const uint8_t *grey,
+                                 int width_px, int height_px, const sheen_board *board, sheen_err *err);
+
+// The second half of it: fills view->saddles from view->tags and the picture.
+sheen_status sheen_saddles_find(sheen_board_view *view, const uint8_t *grey, const sheen_board *board,
+                                sheen_err *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+// views.c - observes many frames in parallel, a few at a time, so that progress and cancelling stay in the
+// caller's thread.
+#include "calib/views.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/image_file.h"
+#include "base/parallel.h"
+#include "calib/saddles.h"
+
+enum { FRAMES_PER_THREAD = 2 };
+
+// Decodes frame i; called from several threads at once.
+typedef struct reader {
+    sheen_status (*read)(const struct reader *self, size_t i, sheen_raster *out, sheen_transfer *transfer,
+                         sheen_err *err);
+    const sheen_session *session;
+    const sheen_frame_info *const *frames;
+    const char *const *paths;
+} reader;
+
+static sheen_status read_session(const reader *self, size_t i, sheen_raster *out, sheen_transfer *transfer,
+                                 sheen_err *err)
+{
+    *transfer = self->frames[i]->transfer;
+    return sheen_session_raster(out, self->session, self->frames[i], err);
+}
+
+static sheen_status read_path(const reader *self, size_t i, sheen_raster *out, sheen_transfer *transfer,
+                              sheen_err *err)
+{
+    *transfer = SHEEN_TRANSFER_SRGB;
+    return sheen_raster_load(out, self->paths[i], err);
+}
+
+typedef struct batch {
+    const reader *reader;
+    const sheen_board *board;
+    size_t first;
+    sheen_board_view *views; // of all frames
+    sheen_err *errs;         // of this batch
+} batch;
+
+static sheen_status observe(sheen_board_view *view, const reader *r, size_t i, const sheen_board *board,
+                            sheen_err *err)
+{
+    sheen_tag_detector *detector = NULL;
+    sheen_raster raster = {0};
+    sheen_transfer transfer;
+    uint8_t *grey = NULL;
+    sheen_status s = r->read(r, i, &raster, &transfer, err);
+    if (s)
+        goto done;
+    const size_t n_pixels = (size_t)raster.width_px * (size_t)raster.height_px;
+    grey = malloc(n_pixels);
+    if (!grey) {
+        s = sheen_fail_memory(err, (double)n_pixels, "a grey picture");
+        goto done;
+    }
+    sheen_raster_grey(grey, &raster, transfer);
+    s = sheen_tag_detector_new(&detector, board->family, err);
+    if (s)
+        goto done;
+    s = sheen_board_observe(view, detector, grey, raster.width_px, raster.height_px, board, err);
+
+done:
+    sheen_tag_detector_free(&detector);
+    free(grey);
+    sheen_raster_release(&raster);
+    return s;
+}
+
+static void observe_some(void *self, size_t begin, size_t end)
+{
+    const batch *b = self;
+    for (size_t i = begin; i < end; i++)
+        b->errs[i].code = observe(&b->views[b->first + i], b->reader, b->first + i, b->board, &b->errs[i]);
+}
+
+static sheen_status observe_all(sheen_views *out, const reader *r, size_t n, const sheen_board *board,
+                                int n_threads, const sheen_progress *progress, sheen_err *err)
+{
+    *out = (sheen_views){0};
+    const size_t per_batch = FRAMES_PER_THREAD * (size_t)(n_threads > 0 ? n_threads : sheen_cpu_count());
+    sheen_status s = SHEEN_OK;
+    sheen_err *errs = calloc(per_batch, sizeof *errs);
+    out->views = calloc(n ? n : 1, sizeof *out->views);
+    out->n_views = n;
+    if (!errs || !out->views)
+        s = sheen_fail_memory(err, (double)n * sizeof *out->views, "views of the board");
+    for (size_t first = 0; first < n && !s; first += per_batch) {
+        const size_t count = n - first < per_batch ? n - first : per_batch;
+        s = sheen_progress_step(progress, "board", (int)first, (int)n, err);
+        if (s)
+            break;
+        batch b = {.reader = r, .board = board, .first = first, .views = out->views, .errs = errs};
+        sheen_parallel_for(count, 1, n_threads, observe_some, &b);
+        for (size_t i = 0; i < count && !s; i++)
+            if (errs[i].code)
+                s = sheen_fail(err, errs[i].code, "%s", errs[i].msg);
+    }
+    if (!s)
+        s = sheen_progress_step(progress, "board", (int)n, (int)n, err);
+    free(errs);
+    if (s)
+        sheen_views_release(out);
+    return s;
+}
+
+void sheen_views_release(sheen_views *views)
+{
+    for (size_t i = 0; views->views && i < views->n_views; i++)
+        sheen_board_view_release(&views->views[i]);
+    free(views->views);
+    *views = (sheen_views){0};
+}
+
+sheen_status sheen_views_of_session(sheen_views *out, const sheen_session *s,
+                                    const sheen_frame_info *const *frames, size_t n_frames,
+                                    const sheen_board *board, int n_threads, const sheen_progress *progress,
+                                    sheen_err *err)
+{
+    const reader r = {.read = read_session, .session = s, .frames = frames};
+    const sheen_status status = observe_all(out, &r, n_frames, board, n_threads, progress, err);
+    for (size_t i = 0; i < n_frames && !status; i++) {
+        snprintf(out->views[i].name, sizeof out->views[i].name, "%s", frames[i]->name);
+        snprintf(out->views[i].file, sizeof out->views[i].file, "../" SHEEN_SESSION_FRAMES "/%s",
+                 frames[i]->file);
+    }
+    return status;
+}
+
+// White space and '#' would end a name in a .vnl table.
+static void plain_name(char *name)
+{
+    for (; *name; name++)
+        if ((unsigned char)*name <= ' ' || *name == '#' || *name == 127)
+            *name = '_';
+}
+
+sheen_status sheen_views_of_files(sheen_views *out, const char *const *paths, size_t n_paths,
+                                  const sheen_board *board, int n_threads, const sheen_progress *progress,
+                                  sheen_err *err)
+{
+    const reader r = {.read = read_path, .paths = paths};
+    const sheen_status status = observe_all(out, &r, n_paths, board, n_threads, progress, err);
+    for (size_t i = 0; i < n_paths && !status; i++) {
+        sheen_board_view *view = &out->views[i];
+        const char *base = sheen_path_base(paths[i]);
+        snprintf(view->file, sizeof view->file, "%.127s", base);
+        const char *dot = strrchr(base, '.');
+        const int length = dot && dot != base ? (int)(dot - base) : (int)strlen(base);
+        snprintf(view->name, sizeof view->name, "%.*s", length < 63 ? length : 63, base);
+        plain_name(view->file);
+        plain_name(view->name);
+    }
+    return status;
+}

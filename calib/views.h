@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// views.h - the board in many frames: all frames of a session or of a list of files, in parallel.
+#ifndef SHEEN_CALIB_VIEWS_H
+#define SHEEN_CALIB_VIEWS_H
+
+#include <stddef.h>
+
+#include "base/board.h"
+#include "base/progress.h"
+#include "base/session.h"
+#include "calib/view.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct sheen_views {
+    sheen_board_view *views; // in the order of the frames
+    size_t n_views;
+} sheen_views;
+
+void sheen_views_release(sheen_views *views);
+
+// The board in n_frames frames of a session, given as pointers into s->frames. n_threads 0: one per processor;
+// results do not depend on it. Fails with the sentence of the first frame that cannot be read; ECANCEL.
+sheen_status sheen_views_of_session(sheen_views *out, const sheen_session *s,
+                                    const sheen_frame_info *const *frames, size_t n_frames,
+                                    const sheen_board *board, int n_threads, const sheen_progress *progress,
+                                    sheen_err *err);
+// The same of image files (sRGB); names are the files' names without folder and extension.
+sheen_status sheen_views_of_files(sheen_views *out, const char *const *paths, size_t n_paths,
+                                  const sheen_board *board, int n_threads, const sheen_progress *progress,
+                                  sheen_err *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
