@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+// fit_session.c - reads what the fit needs, fits, writes model/ beside its place and moves it there.
+#include "fit/fit_session.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "fit/pictures.h"
+
+#define UNFINISHED ".model.new"
+
+typedef struct stage {
+    const sheen_session *s;
+    sheen_mesh mesh;
+    sheen_photos photos;
+    sheen_paper_fit fit;
+    sheen_fit_summary *summary;
+    sheen_status stamp_status;
+    sheen_err *err;
+} stage;
+
+// Names of the files that a model depends on. The mesh is the one whose name differs between sessions.
+static void input_files(const char *files[7], const sheen_session *s)
+{
+    const char *mesh = sheen_session_mesh_file(s);
+    const char *const all[7] = {SHEEN_SESSION_CAMERA,
+                                SHEEN_SESSION_POSES,
+                                SHEEN_SESSION_REGISTRATION,
+                                SHEEN_SESSION_MANIFEST,
+                                "frames:input",
+                                mesh ? mesh : SHEEN_SESSION_MESH,
+                                NULL};
+    memcpy(files, all, sizeof all);
+}
+
+static sheen_status load(stage *st, const sheen_progress *progress, sheen_err *err)
+{
+    char path[SHEEN_PATH_MAX];
+    const char *mesh = sheen_session_mesh_file(st->s);
+    if (!mesh)
+        return sheen_fail(err, SHEEN_EDATA,
+                          "'%s' has no mesh of the object yet: run 'sheen import %s --mesh FILE'",
+                          st->s->path, st->s->path);
+    sheen_status s = sheen_session_path(path, st->s, mesh, err);
+    if (s || (s = sheen_mesh_load(&st->mesh, path, err)))
+        return s;
+    return sheen_photos_load(&st->photos, st->s, SHEEN_ROLE_INPUT, progress, err);
+}
+
+static void summarize(sheen_fit_summary *out, const sheen_paper_fit *f)
+{
+    *out = (sheen_fit_summary){.n_views = f->n_views,
+                               .n_samples = f->n_samples,
+                               .texels_per_edge = f->model.texture.texels_per_edge,
+                               .n_nodes = f->geodesic.n_nodes,
+                               .n_assigned = f->combined.n_assigned,
+                               .n_left = f->refined.n_nodes_left,
+                               .sigma0_rad = f->sigma0_rad,
+                               .sigma_rad = f->refined.sigma_rad,
+                               .k_s = f->refined.k_s,
+                               .sigma_err = f->refined.sigma_err,
+                               .objective = f->refined.objective,
+                               .converged = f->refined.converged,
+                               .n_turns = f->refined.n_turns};
+    memcpy(out->light_rgb, f->model.light_rgb, sizeof out->light_rgb);
+    const sheen_texture *t = &f->model.texture;
+    const size_t n = t->n_triangles * sheen_texels_per_triangle(t->texels_per_edge);
+    size_t n_seen = 0;
+    for (size_t i = 0; i < n; i++)
+        n_seen += t->n_views[i] > 0;
+    out->seen_share = n ? (double)n_seen / (double)n : 0;
+    for (size_t i = 0; i < f->geodesic.n_nodes; i++)
+        out->n_reached += f->combined.n_reached[i] > 0;
+}
+
+// Members of model.json that tell how it came about.
+static void write_report(void *self, sheen_json_writer *w)
+{
+    stage *st = self;
+    const sheen_fit_summary *r = st->summary;
+    const sheen_refine_result *refined = &st->fit.refined;
+    const char *files[7];
+    input_files(files, st->s);
+    sheen_json_open(w, "fit", '{');
+    sheen_json_put_int(w, "n_views", (long long)r->n_views);
+    sheen_json_put_int(w, "n_samples", (long long)r->n_samples);
+    sheen_json_put_number(w, "texels_seen_share", r->seen_share);
+    sheen_json_put_int(w, "n_nodes_reached", (long long)r->n_reached);
+    sheen_json_put_int(w, "n_nodes_assigned", (long long)r->n_assigned);
+    sheen_json_put_int(w, "n_nodes_left", (long long)r->n_left);
+    sheen_json_put_number(w, "threshold_lin", st->fit.threshold_lin);
+    sheen_json_put_number(w, "sigma0_rad", r->sigma0_rad);
+    sheen_json_put_number(w, "sigma_err", r->sigma_err);
+    sheen_json_put_number(w, "objective", r->objective);
+    sheen_json_put_bool(w, "converged", r->converged);
+    sheen_json_open(w, "turns", '[');
+    for (size_t i = 0; i < refined->n_turns; i++) {
+        const sheen_refine_turn *t = &refined->turns[i];
+        const double row[4] = {t->sigma_rad, t->k_s, t->objective, (double)t->n_nodes_left};
+        sheen_json_put_numbers(w, NULL, row, 4);
+    }
+    sheen_json_close(w);
+    sheen_json_close(w);
+    st->stamp_status = sheen_stamp_write(w, st->s, files, st->err);
+}
+
+static sheen_status save(stage *st, sheen_err *err)
+{
+    char unfinished[SHEEN_PATH_MAX], finished[SHEEN_PATH_MAX];
+    sheen_status s;
+    if ((s = sheen_session_path(unfinished, st->s, UNFINISHED, err)) ||
+        (s = sheen_session_path(finished, st->s, SHEEN_SESSION_MODEL, err)) ||
+        (s = sheen_dir_remove(unfinished, err)) || (s = sheen_dir_make(unfinished, err)))
+        return s;
+    st->err = err;
+    if ((s = sheen_model_save(&st->fit.model, st->s, unfinished, write_report, st, err)) ||
+        (s = st->stamp_status) || (s = sheen_fit_pictures(&st->fit, &st->photos, unfinished, err)) ||
+        (s = sheen_dir_replace(finished, unfinished, err))) {
+        sheen_dir_remove(unfinished, NULL);
+        return s;
+    }
+    return SHEEN_OK;
+}
+
+sheen_status sheen_fit_session(sheen_fit_summary *out, const sheen_session *s,
+                               const sheen_paper_options *options, sheen_err *err)
+{
+    stage st = {.s = s, .summary = out};
+    sheen_stopwatch watch = sheen_stopwatch_now();
+    sheen_status status = load(&st, &options->progress, err);
+    if (status)
+        goto done;
+    sheen_progress_timed(&options->progress, "reading photographs", &watch);
+    if ((status = sheen_paper_fit_make(&st.fit, &st.mesh, &st.photos, options, err)))
+        goto done;
+    st.fit.model.mesh = st.mesh; // the model owns it from here on
+    st.mesh = (sheen_mesh){0};
+    st.fit.model.moving = s->moving;
+    memcpy(st.fit.model.rt_world_obj, st.photos.photos[0].rt_world_obj, sizeof st.fit.model.rt_world_obj);
+    if (s->moving == SHEEN_MOVING_OBJECT)
+        memset(st.fit.model.rt_world_obj, 0, sizeof st.fit.model.rt_world_obj);
+    summarize(out, &st.fit);
+    watch = sheen_stopwatch_now();
+    status = save(&st, err);
+    sheen_progress_timed(&options->progress, "writing the model", &watch);
+
+done:
+    sheen_paper_fit_release(&st.fit);
+    sheen_photos_release(&st.photos);
+    sheen_mesh_release(&st.mesh);
+    return status;
+}
+
+bool sheen_fit_is_current(const sheen_session *s)
+{
+    char path[SHEEN_PATH_MAX];
+    const char *files[7];
+    sheen_json *root = NULL;
+    input_files(files, s);
+    if (sheen_session_path(path, s, SHEEN_SESSION_MODEL "/model.json", NULL) || !sheen_file_exists(path) ||
+        sheen_json_load(&root, path, NULL))
+        return false;
+    const bool current = sheen_stamp_is_current(root, s, files);
+    sheen_json_free(&root);
+    return current;
+}

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// fit_session.h - the stage "fit": a session's photographs, camera, poses and mesh become its model/.
+#ifndef SHEEN_FIT_FIT_SESSION_H
+#define SHEEN_FIT_FIT_SESSION_H
+
+#include "base/session.h"
+#include "fit/paper.h"
+
+// What the paper reports, and what a person asks.
+typedef struct sheen_fit_summary {
+    size_t n_views, n_samples;
+    int texels_per_edge;
+    double seen_share; // of the texels
+    size_t n_nodes, n_reached, n_assigned,
+        n_left; // hemisphere; reached by a mirror shot; kept by the check; lit at the end
+    double sigma0_rad, sigma_rad, k_s, sigma_err, objective, light_rgb[3];
+    int converged;
+    size_t n_turns;
+} sheen_fit_summary;
+
+// Fits the input frames and replaces model/ in one step: model.json, texture.exr and the pictures (pictures.h). On any
+// failure the session is as it was.
+sheen_status sheen_fit_session(sheen_fit_summary *out, const sheen_session *s,
+                               const sheen_paper_options *options, sheen_err *err);
+
+// True where model/ was made from the session's present inputs.
+bool sheen_fit_is_current(const sheen_session *s);
+
+#endif
