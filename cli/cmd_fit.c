@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// cmd_fit.c - sheen fit: texture, lights and gloss from a session's photographs.
+#include <math.h>
+#include <string.h>
+
+#include "cli/cli.h"
+#include "cli/commands.h"
+#include "cli/stages.h"
+#include "fit/fit_session.h"
+
+typedef struct fit_args {
+    const char *method, *loss;
+    double sigma0_deg;
+    int max_samples;
+    sheen_paper_options o;
+} fit_args;
+
+static sheen_status parse(sheen_cli *cli, fit_args *a, sheen_err *err)
+{
+    const sheen_option options[] = {
+        {"method", 0, SHEEN_OPTION_TEXT, &a->method, "NAME", "paper: Nishino, Zhang, Ikeuchi 2001 (default)",
+         0, 0},
+        {"texels", 0, SHEEN_OPTION_INT, &a->o.texels_per_edge, "N",
+         "texels along a triangle's edge (default: as fine as\nthe photographs)", 2, 64},
+        {"frequency", 0, SHEEN_OPTION_INT, &a->o.frequency, "N",
+         "subdivision of the light hemisphere: about 5 N^2 nodes\n(default: 60)", 1, 400},
+        {"threshold", 0, SHEEN_OPTION_NUMBER, &a->o.threshold_lin, "X",
+         "residual that counts as highlight, share of white\n(default: 0.04)", 1e-6, 1},
+        {"consistency", 0, SHEEN_OPTION_NUMBER, &a->o.consistency, "X",
+         "share of the views that must agree on a light\n(default: 1, as in the paper)", 0.01, 1},
+        {"sigma0-deg", 0, SHEEN_OPTION_NUMBER, &a->sigma0_deg, "X",
+         "where the lobe's width starts (default: found)", 0.1, 60},
+        {"samples", 0, SHEEN_OPTION_INT, &a->max_samples, "N", "most samples to fit (default: 30000)", 100,
+         1e8},
+        {"loss", 0, SHEEN_OPTION_TEXT, &a->loss, "NAME",
+         "lorentzian (default) or quartic: equations 10 and 11\nto the letter", 0, 0},
+        {"threads", 0, SHEEN_OPTION_INT, &a->o.n_threads, "N", "default: one a processor", 1, 1024},
+        {0},
+    };
+    const sheen_status s = sheen_cli_parse(cli, options, 1, 1, err);
+    if (s || cli->wants_help)
+        return s;
+    if (a->method && strcmp(a->method, "paper") != 0)
+        return sheen_cli_usage(cli, err, "unknown method '%.40s': there is 'paper'", a->method);
+    if (a->loss && strcmp(a->loss, "lorentzian") != 0 && strcmp(a->loss, "quartic") != 0)
+        return sheen_cli_usage(cli, err, "unknown loss '%.40s': use 'lorentzian' or 'quartic'", a->loss);
+    a->o.loss = a->loss && !strcmp(a->loss, "quartic") ? SHEEN_LOSS_QUARTIC : SHEEN_LOSS_LORENTZIAN;
+    a->o.sigma0_rad = a->sigma0_deg * 3.14159265358979323846 / 180;
+    a->o.max_samples = (size_t)a->max_samples;
+    return SHEEN_OK;
+}
+
+void sheen_cli_say_fit(sheen_cli *cli, const sheen_fit_summary *f)
+{
+    sheen_cli_say(cli, "%zu photographs, %zu samples; %.1f %% of the surface was seen", f->n_views,
+                  f->n_samples, 100 * f->seen_share);
+    sheen_cli_say(cli, "lights: of %zu nodes %zu were reached by a mirror shot, %zu kept, %zu lit at the end",
+                  f->n_nodes, f->n_reached, f->n_assigned, f->n_left);
+    sheen_cli_say(cli, "k_S %.4g, sigma %.4f rad (started at %.4f), objective %.4g after %zu turns%s", f->k_s,
+                  f->sigma_rad, f->sigma0_rad, f->objective, f->n_turns,
+                  f->converged ? "" : ", not converged");
+    sheen_json_put_int(&cli->out, "photographs", (long long)f->n_views);
+    sheen_json_put_int(&cli->out, "samples", (long long)f->n_samples);
+    sheen_json_put_number(&cli->out, "seen_share", f->seen_share);
+    sheen_json_put_int(&cli->out, "nodes", (long long)f->n_nodes);
+    sheen_json_put_int(&cli->out, "nodes_reached", (long long)f->n_reached);
+    sheen_json_put_int(&cli->out, "nodes_assigned", (long long)f->n_assigned);
+    sheen_json_put_int(&cli->out, "nodes_left", (long long)f->n_left);
+    sheen_json_put_number(&cli->out, "k_s", f->k_s);
+    sheen_json_put_number(&cli->out, "sigma_rad", f->sigma_rad);
+    sheen_json_put_number(&cli->out, "sigma0_rad", f->sigma0_rad);
+    sheen_json_put_number(&cli->out, "sigma_err", f->sigma_err);
+    sheen_json_put_number(&cli->out, "objective", f->objective);
+    sheen_json_put_int(&cli->out, "turns", (long long)f->n_turns);
+    sheen_json_put_bool(&cli->out, "converged", f->converged);
+    sheen_json_put_numbers(&cli->out, "light_rgb", f->light_rgb, 3);
+}
+
+static sheen_status run(sheen_cli *cli, sheen_err *err)
+{
+    fit_args a = {0};
+    sheen_session s;
+    sheen_fit_summary summary;
+    sheen_status st = parse(cli, &a, err);
+    if (st || cli->wants_help)
+        return st;
+    a.o.progress = sheen_cli_progress(cli);
+    st = sheen_session_open(&s, cli->args[0], err);
+    if (st)
+        return st;
+    st = sheen_fit_session(&summary, &s, &a.o, err);
+    sheen_cli_clear_bar(cli);
+    if (!st)
+        sheen_cli_say_fit(cli, &summary);
+    sheen_session_release(&s);
+    return st;
+}
+
+const sheen_command sheen_cmd_fit = {
+    .name = "fit",
+    .synopsis = "SESSION [options]",
+    .summary = "texture, lights and gloss from the photographs",
+    .about = "Wants input frames, a camera, poses and a mesh in the session. Replaces model/: parameters and "
+             "lights\n"
+             "(model.json), the texture, and the pictures of every step of the method.\n",
+    .example = "  sheen fit penguin.session --timings\n",
+    .run = run,
+};

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// cmd_pose.c - sheen pose: where the camera was, frame by frame, from the board.
+#include <math.h>
+
+#include "cli/cli.h"
+#include "cli/commands.h"
+#include "cli/stages.h"
+#include "pose/pose_session.h"
+
+void sheen_cli_say_poses(sheen_cli *cli, const sheen_pose_summary *p, const sheen_poses *poses)
+{
+    sheen_json_put_bool(&cli->out, "imported", p->left_alone);
+    if (p->left_alone) {
+        sheen_cli_say(cli, "the session's poses were imported and are left alone");
+        return;
+    }
+    sheen_cli_say(
+        cli,
+        "%d of %d frames have a pose; reprojection error %.3f px rms an axis (median), position known to "
+        "%.3f mm (median; worst %.3f mm)",
+        p->n_found, p->n_frames, p->rms_median_px, 1e3 * p->sigma_median_m, 1e3 * p->sigma_worst_m);
+    for (size_t i = 0; i < poses->n_poses; i++)
+        if (poses->poses[i].reason[0])
+            sheen_cli_say(cli, "  %s%s: %s", poses->poses[i].found ? "" : "no pose: ", poses->poses[i].name,
+                          poses->poses[i].reason);
+    sheen_json_put_int(&cli->out, "frames", p->n_frames);
+    sheen_json_put_int(&cli->out, "posed_frames", p->n_found);
+    sheen_json_put_int(&cli->out, "from_tags_alone", p->n_from_tags);
+    sheen_json_put_number(&cli->out, "rms_median_px", p->rms_median_px);
+    sheen_json_put_number(&cli->out, "sigma_median_m", p->sigma_median_m);
+    sheen_json_put_number(&cli->out, "sigma_worst_m", p->sigma_worst_m);
+}
+
+static void check_limit(sheen_cli *cli, const sheen_poses *poses, double max_rms_px)
+{
+    for (size_t i = 0; i < poses->n_poses; i++)
+        if (poses->poses[i].found && poses->poses[i].rms_px > max_rms_px) {
+            sheen_cli_warn(cli, "the reprojection error of frame '%s', %.3f px, is above the limit of %g px",
+                           poses->poses[i].name, poses->poses[i].rms_px, max_rms_px);
+            cli->limit_missed = true;
+        }
+}
+
+static sheen_status run(sheen_cli *cli, sheen_err *err)
+{
+    double max_rms_px = (double)INFINITY;
+    sheen_pose_options o = {0};
+    const sheen_option options[] = {
+        {"max-rms-px", 0, SHEEN_OPTION_NUMBER, &max_rms_px, "X",
+         "exit with 3 where a frame's reprojection error is\nlarger", 0, 1e6},
+        {"force", 0, SHEEN_OPTION_FLAG, &o.force, NULL, "measure anew where poses were imported", 0, 0},
+        {"threads", 0, SHEEN_OPTION_INT, &o.n_threads, "N", "default: one a processor", 1, 1024},
+        {0},
+    };
+    sheen_session s;
+    sheen_poses poses = {0};
+    sheen_pose_summary summary;
+    sheen_status st = sheen_cli_parse(cli, options, 1, 1, err);
+    if (st || cli->wants_help)
+        return st;
+    o.progress = sheen_cli_progress(cli);
+    st = sheen_session_open(&s, cli->args[0], err);
+    if (st)
+        return st;
+    st = sheen_pose_session(&summary, &poses, &s, &o, err);
+    sheen_cli_clear_bar(cli);
+    if (!st) {
+        sheen_cli_say_poses(cli, &summary, &poses);
+        check_limit(cli, &poses, max_rms_px);
+    }
+    sheen_poses_release(&poses);
+    sheen_session_release(&s);
+    return st;
+}
+
+const sheen_command sheen_cmd_pose = {
+    .name = "pose",
+    .synopsis = "SESSION [options]",
+    .summary = "where the camera was, frame by frame, from the board",
+    .about = "Wants a camera and board.json in the session. Writes poses.json, with what each pose is worth, "
+             "and for\n"
+             "frames without one the reason.\n",
+    .example = "  sheen pose penguin.session --max-rms-px 0.3\n",
+    .run = run,
+};

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+// cmd_render.c - sheen render: pictures of a session's model from given poses, from one side, or once about it.
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "base/image_file.h"
+#include "base/pose3.h"
+#include "base/pose_file.h"
+#include "cli/cli.h"
+#include "cli/commands.h"
+#include "cli/stages.h"
+
+typedef struct render_args {
+    const char *poses, *output, *orbit, *view, *layer, *format;
+    int size_px[2];
+    double elevation_deg, distance_m, duration_s;
+    int frames_per_s, samples, n_threads;
+    bool black_holes;
+    double look[3]; // azimuth, elevation (degrees), distance (metres)
+} render_args;
+
+// "AZ,EL" or "AZ,EL,DIST".
+static bool read_look(double look[3], const char *text)
+{
+    look[2] = 0;
+    for (int i = 0; i < 3; i++) {
+        char *end;
+        look[i] = strtod(text, &end);
+        if (end == text || !isfinite(look[i]))
+            return false;
+        if (!*end)
+            return i >= 1;
+        if (*end != ',')
+            return false;
+        text = end + 1;
+    }
+    return false;
+}
+
+static sheen_status check(sheen_cli *cli, render_args *a, sheen_err *err)
+{
+    if (!a->poses + !a->orbit + !a->view != 2)
+        return sheen_cli_usage(cli, err,
+                               "say what to draw: one of --poses FILE, --view AZ,EL,DIST, --orbit FILE");
+    if (!a->orbit && !a->output)
+        return sheen_cli_usage(cli, err, "say where it goes: -o %s", a->poses ? "DIR" : "FILE");
+    if (a->view && !read_look(a->look, a->view))
+        return sheen_cli_usage(
+            cli, err, "'--view' wants azimuth, elevation and distance such as 30,25,0.5, not '%.40s'",
+            a->view);
+    if (a->layer && strcmp(a->layer, "all") != 0 && strcmp(a->layer, "diffuse") != 0 &&
+        strcmp(a->layer, "specular") != 0)
+        return sheen_cli_usage(cli, err, "unknown layer '%.40s': use diffuse, specular or all", a->layer);
+    if (strcmp(a->format, "png") != 0 && strcmp(a->format, "exr") != 0)
+        return sheen_cli_usage(cli, err, "unknown format '%.40s': use png or exr", a->format);
+    const char *ending = a->view ? sheen_path_extension(a->output) : "png";
+    if (strcasecmp(ending, "png") != 0 && strcasecmp(ending, "exr") != 0)
+        return sheen_cli_usage(cli, err, "'%.100s' should end in .png or .exr", a->output);
+    return SHEEN_OK;
+}
+
+static sheen_status parse(sheen_cli *cli, render_args *a, sheen_err *err)
+{
+    *a = (render_args){
+        .format = "png", .elevation_deg = 25, .duration_s = 6, .frames_per_s = 30, .samples = 2};
+    const sheen_option options[] = {
+        {"poses", 0, SHEEN_OPTION_TEXT, &a->poses, "FILE",
+         "from these poses and cameras: transforms.json, a COLMAP\ntext model's folder, poses.json; in the "
+         "board's frame",
+         0, 0},
+        {"view", 0, SHEEN_OPTION_TEXT, &a->view, "AZ,EL,DIST",
+         "from this azimuth and elevation (degrees; 0 is the\nboard's x, counter-clockwise) and distance "
+         "(metres;\nwithout: the "
+         "object fills the picture)",
+         0, 0},
+        {"orbit", 0, SHEEN_OPTION_TEXT, &a->orbit, "FILE", "a film once about the object: .mp4, .webm", 0, 0},
+        {"output", 'o', SHEEN_OPTION_TEXT, &a->output, "PATH",
+         "of --view: the picture, .png (sRGB) or .exr (linear);\nof --poses: a folder of <pose's name>.png",
+         0, 0},
+        {"layer", 0, SHEEN_OPTION_TEXT, &a->layer, "NAME", "diffuse, specular, or all (default)", 0, 0},
+        {"format", 0, SHEEN_OPTION_TEXT, &a->format, "NAME", "of --poses: png (default) or exr", 0, 0},
+        {"size", 0, SHEEN_OPTION_SIZE, a->size_px, "WxH", "default: the camera's", 16, 16384},
+        {"elevation", 0, SHEEN_OPTION_NUMBER, &a->elevation_deg, "DEG", "of --orbit (default: 25)", -89, 89},
+        {"distance", 0, SHEEN_OPTION_NUMBER, &a->distance_m, "M",
+         "of --orbit (default: the object fills the picture)", 1e-3, 1e3},
+        {"seconds", 0, SHEEN_OPTION_NUMBER, &a->duration_s, "S", "of --orbit (default: 6)", 0.1, 600},
+        {"fps", 0, SHEEN_OPTION_INT, &a->frames_per_s, "N", "of --orbit (default: 30)", 1, 120},
+        {"samples", 0, SHEEN_OPTION_INT, &a->samples, "N", "N x N samples a pixel (default: 2)", 1, 8},
+        {"black-holes", 0, SHEEN_OPTION_FLAG, &a->black_holes, NULL,
+         "leave surface that no photograph saw black; it is\nmarked magenta otherwise", 0, 0},
+        {"threads", 0, SHEEN_OPTION_INT, &a->n_threads, "N", "default: one a processor", 1, 1024},
+        {0},
+    };
+    const sheen_status s = sheen_cli_parse(cli, options, 1, 1, err);
+    return s || cli->wants_help ? s : check(cli, a, err);
+}
+
+// Picture by its ending: sRGB or linear.
+static sheen_status save(const sheen_layers *l, const render_args *a, const char *path, sheen_err *err)
+{
+    const sheen_image *img = sheen_cli_layer(l, a->layer);
+    if (!strcasecmp(sheen_path_extension(path), "exr"))
+        return sheen_exr_write(path, img, NULL, true, err);
+    return sheen_png_write_srgb(path, img, err);
+}
+
+static void say_made(sheen_cli *cli, const char *path, size_t n_pictures)
+{
+    sheen_cli_clear_bar(cli);
+    sheen_cli_say(cli, "%s", path);
+    sheen_json_put_string(&cli->out, "made", path);
+    sheen_json_put_int(&cli->out, "pictures", (long long)n_pictures);
+}
+
+static sheen_status render_view(sheen_cli *cli, const sheen_cli_view *v, const render_args *a, sheen_err *err)
+{
+    sheen_camera cam;
+    sheen_layers layers;
+    sheen_status st = sheen_cli_view_pinhole(&cam, v, a->size_px, err);
+    if (!st)
+        st = sheen_cli_view_look(&layers, v, &cam, a->look[0], a->look[1], a->look[2], err);
+    if (st)
+        return st;
+    st = save(&layers, a, a->output, err);
+    sheen_layers_release(&layers);
+    if (!st)
+        say_made(cli, a->output, 1);
+    return st;
+}
+
+// The camera of a view, scaled to the asked size.
+static sheen_status camera_of(sheen_camera *out, sheen_cli *cli, const sheen_cli_view *v,
+                              const sheen_pose_file *file, const sheen_view *view, const render_args *a,
+                              sheen_err *err)
+{
+    const sheen_camera *cam = view->i_camera >= 0 ? &file->cameras[view->i_camera] : &v->camera;
+    *out = *cam;
+    memset(out->rt_cam_ref, 0, sizeof out->rt_cam_ref);
+    if (!a->size_px[0])
+        return SHEEN_OK;
+    const double factor = (double)a->size_px[0] / cam->width_px;
+    if (fabs(factor * cam->height_px - a->size_px[1]) > 1)
+        return sheen_cli_usage(cli, err, "'--size' must keep the proportions of the poses' pictures, %d x %d",
+                               cam->width_px, cam->height_px);
+    const sheen_status st = sheen_camera_scale(out, cam, factor, err);
+    out->width_px = a->size_px[0];
+    out->height_px = a->size_px[1];
+    return st;
+}
+
+static sheen_status render_pose(sheen_cli *cli, const sheen_cli_view *v, const sheen_pose_file *file,
+                                const sheen_view *view, const render_args *a, sheen_err *err)
+{
+    char name[160], path[SHEEN_PATH_MAX];
+    double rt_cam_obj[6];
+    sheen_camera cam;
+    sheen_layers layers;
+    snprintf(name, sizeof name, "%s.%s", view->name, a->format);
+    sheen_rt_compose(rt_cam_obj, view->rt_cam_world, v->rt_board_obj);
+    sheen_status st = sheen_path_join(path, a->output, name, err);
+    if (!st)
+        st = camera_of(&cam, cli, v, file, view, a, err);
+    if (!st)
+        st = sheen_cli_view_draw(&layers, v, &cam, rt_cam_obj, err);
+    if (st)
+        return st;
+    st = save(&layers, a, path, err);
+    sheen_layers_release(&layers);
+    return st;
+}
+
+static sheen_status render_poses(sheen_cli *cli, const sheen_cli_view *v, const render_args *a,
+                                 const sheen_progress *progress, sheen_err *err)
+{
+    sheen_pose_file file;
+    sheen_status st = sheen_pose_file_load(&file, a->poses, err);
+    if (st)
+        return st;
+    st = sheen_dir_make(a->output, err);
+    for (size_t i = 0; !st && i < file.n_views; i++) {
+        st = sheen_progress_step(progress, "pictures", (int)i, (int)file.n_views, err);
+        if (!st)
+            st = render_pose(cli, v, &file, &file.views[i], a, err);
+    }
+    if (!st)
+        say_made(cli, a->output, file.n_views);
+    sheen_pose_file_release(&file);
+    return st;
+}
+
+static sheen_status render_orbit(sheen_cli *cli, const sheen_cli_view *v, const render_args *a,
+                                 const sheen_progress *progress, sheen_err *err)
+{
+    const sheen_cli_orbit o = {.size_px = {a->size_px[0], a->size_px[1]},
+                               .elevation_deg = a->elevation_deg,
+                               .distance_m = a->distance_m,
+                               .duration_s = a->duration_s,
+                               .frames_per_s = a->frames_per_s,
+                               .layer = a->layer};
+    const sheen_status st = sheen_cli_orbit_film(v, a->orbit, &o, progress, err);
+    if (!st)
+        say_made(cli, a->orbit, (size_t)fmax(1, round(a->duration_s * a->frames_per_s)));
+    return st;
+}
+
+static sheen_status run(sheen_cli *cli, sheen_err *err)
+{
+    render_args a;
+    sheen_session s;
+    sheen_cli_view v;
+    sheen_status st = parse(cli, &a, err);
+    if (st || cli->wants_help)
+        return st;
+    const sheen_progress progress = sheen_cli_progress(cli);
+    st = sheen_session_open(&s, cli->args[0], err);
+    if (st)
+        return st;
+    st = sheen_cli_view_open(&v, &s, err);
+    if (!st) {
+        v.options.samples_per_side = a.samples;
+        v.options.n_threads = a.n_threads;
+        v.options.mark_holes = !a.black_holes;
+        if (a.view)
+            st = render_view(cli, &v, &a, err);
+        else
+            st = a.poses ? render_poses(cli, &v, &a, &progress, err)
+                         : render_orbit(cli, &v, &a, &progress, err);
+        sheen_cli_view_close(&v);
+    }
+    sheen_session_release(&s);
+    return st;
+}
+
+const sheen_command sheen_cmd_render = {
+    .name = "render",
+    .synopsis = "SESSION --poses FILE -o DIR | --view AZ,EL,DIST -o FILE | --orbit FILE [options]",
+    .summary = "pictures and films of the model from anywhere",
+    .about = "Wants a fitted model in the session. With --poses through the lens of the cameras that the "
+             "file names\n"
+             "(or the session's own), otherwise through a pinhole of the session's field of view.\n",
+    .example = "  sheen render penguin.session --view 30,25 -o penguin.png\n"
+               "  sheen render penguin.session --orbit penguin.mp4 --size 640x480\n",
+    .run = run,
+};

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// commands.c - the table of commands, in the order of the help.
+#include "cli/cmd.h"
+
+#include <stddef.h>
+
+#include "cli/commands.h"
+
+const sheen_command *const sheen_commands[] = {
+    // clang-format off
+    &sheen_cmd_capture,
+    &sheen_cmd_import,
+    &sheen_cmd_calibrate,
+    &sheen_cmd_pose,
+    &sheen_cmd_register,
+    &sheen_cmd_fit,
+    &sheen_cmd_render,
+    &sheen_cmd_eval,
+    &sheen_cmd_run,
+    NULL,
+    // clang-format on
+};

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// commands.h - the commands, each in its file cmd_<name>.c.
+#ifndef SHEEN_CLI_COMMANDS_H
+#define SHEEN_CLI_COMMANDS_H
+
+#include "cli/cmd.h"
+
+extern const sheen_command sheen_cmd_capture;
+extern const sheen_command sheen_cmd_import;
+extern const sheen_command sheen_cmd_calibrate;
+extern const sheen_command sheen_cmd_pose;
+extern const sheen_command sheen_cmd_register;
+extern const sheen_command sheen_cmd_fit;
+extern const sheen_command sheen_cmd_render;
+extern const sheen_command sheen_cmd_eval;
+extern const sheen_command sheen_cmd_run;
+
+#endif

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// stages.h - how the answer of a stage is said, by its own command and by `sheen run`.
+#ifndef SHEEN_CLI_STAGES_H
+#define SHEEN_CLI_STAGES_H
+
+#include "calib/calibrate.h"
+#include "cli/cli.h"
+#include "fit/evaluate_session.h"
+#include "fit/fit_session.h"
+#include "pose/pose_session.h"
+#include "render/draw.h"
+#include "render/model.h"
+
+// Each says the result, and puts it into the open object cli->out.
+void sheen_cli_say_calibration(sheen_cli *cli, const sheen_calibration *c);
+void sheen_cli_say_poses(sheen_cli *cli, const sheen_pose_summary *p, const sheen_poses *poses);
+void sheen_cli_say_fit(sheen_cli *cli, const sheen_fit_summary *f);
+sheen_status sheen_cli_say_evaluation(sheen_cli *cli, const sheen_evaluation *e, sheen_err *err);
+
+// ---- view.c: drawing a session's model
+
+// What every drawing of a session needs.
+typedef struct sheen_cli_view {
+    sheen_model model;
+    sheen_camera camera; // the session's
+    double rt_board_obj[6];
+    sheen_drawing *drawing;
+    sheen_draw_options options;
+} sheen_cli_view;
+
+// Holes are marked magenta, the background is a dark grey.
+sheen_status sheen_cli_view_open(sheen_cli_view *v, const sheen_session *s, sheen_err *err);
+void sheen_cli_view_close(sheen_cli_view *v);
+
+// A pinhole of the session's camera's field of view (along the width) for pictures of this size; 0 x 0: its own.
+sheen_status sheen_cli_view_pinhole(sheen_camera *out, const sheen_cli_view *v, const int size_px[2],
+                                    sheen_err *err);
+// From a pose about the board, or one given.
+sheen_status sheen_cli_view_look(sheen_layers *out, const sheen_cli_view *v, const sheen_camera *cam,
+                                 double azimuth_deg, double elevation_deg, double distance_m, sheen_err *err);
+sheen_status sheen_cli_view_draw(sheen_layers *out, const sheen_cli_view *v, const sheen_camera *cam,
+                                 const double rt_cam_obj[6], sheen_err *err);
+
+typedef struct sheen_cli_orbit {
+    int size_px[2]; // 0 x 0: the camera's
+    double elevation_deg, distance_m, duration_s;
+    int frames_per_s;
+    const char *layer;
+} sheen_cli_orbit;
+
+// Once about the object, as a film.
+sheen_status sheen_cli_orbit_film(const sheen_cli_view *v, const char *path, const sheen_cli_orbit *o,
+                                  const sheen_progress *progress, sheen_err *err);
+
+// "diffuse", "specular", else the composite.
+const sheen_image *sheen_cli_layer(const sheen_layers *l, const char *layer);
+
+#endif

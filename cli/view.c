@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// view.c - a session's model seen from anywhere: single pictures and a film once about it.
+#include <math.h>
+#include <string.h>
+
+#include "base/pose3.h"
+#include "cli/stages.h"
+#include "render/orbit.h"
+
+static const double rad_per_deg = 3.14159265358979323846 / 180;
+
+sheen_status sheen_cli_view_open(sheen_cli_view *v, const sheen_session *s, sheen_err *err)
+{
+    char path[SHEEN_PATH_MAX];
+    *v = (sheen_cli_view){
+        .options = {.mark_holes = 1, .hole_rgb = {1, 0, 1}, .background_rgb = {0.03f, 0.03f, 0.03f}}};
+    sheen_model_init(&v->model);
+    sheen_status st = sheen_model_load(&v->model, s, err);
+    if (!st)
+        st = sheen_registration_load(v->rt_board_obj, s, err);
+    if (!st)
+        st = sheen_session_path(path, s, SHEEN_SESSION_CAMERA, err);
+    if (!st)
+        st = sheen_camera_load(&v->camera, path, err);
+    if (!st)
+        st = sheen_drawing_new(&v->drawing, &v->model, err);
+    if (st)
+        sheen_cli_view_close(v);
+    return st;
+}
+
+void sheen_cli_view_close(sheen_cli_view *v)
+{
+    sheen_drawing_free(&v->drawing);
+    sheen_model_release(&v->model);
+}
+
+sheen_status sheen_cli_view_pinhole(sheen_camera *out, const sheen_cli_view *v, const int size_px[2],
+                                    sheen_err *err)
+{
+    const sheen_camera *c = &v->camera;
+    const int width_px = size_px[0] ? size_px[0] : c->width_px,
+              height_px = size_px[1] ? size_px[1] : c->height_px;
+    const double f_px = c->intrinsics[0] * width_px / c->width_px;
+    const double fxycxy[4] = {f_px, f_px, (width_px - 1) / 2.0, (height_px - 1) / 2.0};
+    return sheen_camera_opencv(out, width_px, height_px, fxycxy, NULL, 0, err);
+}
+
+sheen_status sheen_cli_view_draw(sheen_layers *out, const sheen_cli_view *v, const sheen_camera *cam,
+                                 const double rt_cam_obj[6], sheen_err *err)
+{
+    // Where the object was turned, the lights stand still in front of the camera.
+    const double *rt_world_obj = v->model.moving == SHEEN_MOVING_OBJECT ? rt_cam_obj : NULL;
+    return sheen_draw(out, v->drawing, cam, rt_cam_obj, rt_world_obj, &v->options, err);
+}
+
+sheen_status sheen_cli_view_look(sheen_layers *out, const sheen_cli_view *v, const sheen_camera *cam,
+                                 double azimuth_deg, double elevation_deg, double distance_m, sheen_err *err)
+{
+    double rt_cam_obj[6];
+    const sheen_status st = sheen_view_pose(rt_cam_obj, &v->model.mesh, v->rt_board_obj, cam,
+                                            azimuth_deg * rad_per_deg, elevation_deg * rad_per_deg,
+                                            distance_m, err);
+    return st ? st : sheen_cli_view_draw(out, v, cam, rt_cam_obj, err);
+}
+
+const sheen_image *sheen_cli_layer(const sheen_layers *l, const char *layer)
+{
+    if (layer && !strcmp(layer, "diffuse"))
+        return &l->diffuse;
+    if (layer && !strcmp(layer, "specular"))
+        return &l->specular;
+    return &l->composite;
+}
+
+sheen_status sheen_cli_orbit_film(const sheen_cli_view *v, const char *path, const sheen_cli_orbit *o,
+                                  const sheen_progress *progress, sheen_err *err)
+{
+    sheen_camera cam;
+    sheen_film *film = NULL;
+    const int n = (int)fmax(1, round(o->duration_s * o->frames_per_s));
+    sheen_status st = sheen_cli_view_pinhole(&cam, v, o->size_px, err);
+    if (!st)
+        st = sheen_film_open(&film, path, cam.width_px, cam.height_px, o->frames_per_s, err);
+    for (int i = 0; !st && i < n; i++) {
+        sheen_layers layers;
+        st = sheen_progress_step(progress, "film", i, n, err);
+        if (st)
+            break;
+        st = sheen_cli_view_look(&layers, v, &cam, 360.0 * i / n, o->elevation_deg, o->distance_m, err);
+        if (st)
+            break;
+        st = sheen_film_add(film, sheen_cli_layer(&layers, o->layer), err);
+        sheen_layers_release(&layers);
+    }
+    if (film) {
+        const sheen_status closed = sheen_film_close(&film, !st, st ? NULL : err);
+        st = st ? st : closed;
+    }
+    return st ? st : sheen_progress_step(progress, "film", n, n, err);
+}
