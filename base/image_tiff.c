@@ -184,7 +184,7 @@ static sheen_status read_lines(reader *r)
     if ((size_t)TIFFScanlineSize(r->tiff) != line_bytes)
         return sheen_fail(r->err, SHEEN_EUNSUP,
                           "a TIFF with subsampled colour is not supported: save it as RGB");
-    uint8_t *line = malloc(line_bytes);
+    uint8_t *line = calloc(line_bytes, 1); // some decoders leave gaps without a word
     if (!line)
         return sheen_fail_memory(r->err, (double)line_bytes, "a line of TIFF");
     bool ok = true;
@@ -215,14 +215,14 @@ static sheen_status read_tiles(reader *r)
     if ((size_t)TIFFTileSize(r->tiff) != tile_bytes)
         return sheen_fail(r->err, SHEEN_EUNSUP,
                           "a TIFF with subsampled colour is not supported: save it as RGB");
-    uint8_t *tile = malloc(tile_bytes);
+    uint8_t *tile = calloc(tile_bytes, 1);
     if (!tile)
         return sheen_fail_memory(r->err, (double)tile_bytes, "a tile of TIFF");
     bool ok = true;
     for (uint16_t plane = 0; plane < n_planes && ok; plane++)
         for (uint32_t y = 0; y < r->height_px && ok; y += tile_h)
             for (uint32_t x = 0; x < r->width_px && ok; x += tile_w) {
-                ok = TIFFReadTile(r->tiff, tile, x, y, 0, plane) >= 0 && !r->is_damaged;
+                ok = TIFFReadTile(r->tiff, tile, x, y, 0, plane) == (tmsize_t)tile_bytes && !r->is_damaged;
                 const uint32_t n_px = r->width_px - x < tile_w ? r->width_px - x : tile_w;
                 const uint32_t n_lines = r->height_px - y < tile_h ? r->height_px - y : tile_h;
                 for (uint32_t i = 0; ok && i < n_lines; i++)

@@ -112,9 +112,9 @@ static sheen_status problem_init(sheen_problem *p, const sheen_camera *camera, c
                          .n_rows = board->n_rows - 1,
                          .spacing_m = board->square_m};
     const size_t n = sheen_problem_corners(p);
-    p->rt_cam_grid = calloc(6 * (size_t)n_frames, sizeof *p->rt_cam_grid);
-    p->observations = malloc(3 * n * sizeof *p->observations);
-    p->residuals_px = calloc(2 * n, sizeof *p->residuals_px);
+    p->rt_cam_grid = calloc(6 * (size_t)n_frames + 1, sizeof *p->rt_cam_grid);
+    p->observations = malloc((3 * n + 1) * sizeof *p->observations);
+    p->residuals_px = calloc(2 * n + 1, sizeof *p->residuals_px);
     if (!p->rt_cam_grid || !p->observations || !p->residuals_px)
         return sheen_fail_memory(err, 5 * (double)n * sizeof(double), "a calibration");
     for (size_t i = 0; i < 3 * n; i++)
@@ -133,7 +133,7 @@ static sheen_status problem_init(sheen_problem *p, const sheen_camera *camera, c
 // Leaves out what does not fit, the worst first, since one bad corner bends its whole frame.
 static sheen_status reject_outliers(sheen_problem *p, sheen_err *err)
 {
-    static const double limits[] = {20, 10, 7, 5, 4.5, 4.5, 4.5};
+    static const double limits[] = {20, 10, 7, 5, 5, 5};
     sheen_status s = SHEEN_OK;
     for (size_t i = 0; i < sizeof limits / sizeof *limits && !s; i++) {
         int n_rejected;
@@ -245,19 +245,20 @@ static void find_sigma(sheen_calibration *c, const sheen_problem *p)
 {
     enum { N = SHEEN_COVERAGE_ROWS * SHEEN_COVERAGE_COLS };
     double q_px[2 * (N + 1)], sigma_px[N + 1];
-    for (int i = 0; i < N; i++) {
-        q_px[2 * i] = (i % SHEEN_COVERAGE_COLS + 0.5) / SHEEN_COVERAGE_COLS * p->camera.width_px - 0.5;
-        q_px[2 * i + 1] =
-            ((double)(i / SHEEN_COVERAGE_COLS) + 0.5) / SHEEN_COVERAGE_ROWS * p->camera.height_px - 0.5;
+    for (size_t i = 0; i < N; i++) {
+        const size_t col = i % SHEEN_COVERAGE_COLS, row = i / SHEEN_COVERAGE_COLS;
+        q_px[2 * i] = ((double)col + 0.5) / SHEEN_COVERAGE_COLS * p->camera.width_px - 0.5;
+        q_px[2 * i + 1] = ((double)row + 0.5) / SHEEN_COVERAGE_ROWS * p->camera.height_px - 0.5;
     }
-    q_px[2 * N] = (p->camera.width_px - 1) / 2.0;
-    q_px[2 * N + 1] = (p->camera.height_px - 1) / 2.0;
-    c->sigma_centre_px = c->sigma_worst_px = NAN;
+    double *centre_px = q_px + (size_t)2 * N;
+    centre_px[0] = (p->camera.width_px - 1) / 2.0;
+    centre_px[1] = (p->camera.height_px - 1) / 2.0;
+    c->sigma_centre_px = c->sigma_worst_px = (double)NAN;
     if (sheen_problem_sigma(sigma_px, p, q_px, N + 1, c->distance_m, c->rms_px, NULL))
         return;
     c->sigma_centre_px = sigma_px[N];
     c->sigma_worst_px = 0;
-    for (int i = 0; i < N; i++)
+    for (int i = 0; i < N && isfinite(c->sigma_worst_px); i++)
         c->sigma_worst_px = sigma_px[i] <= c->sigma_worst_px ? c->sigma_worst_px : sigma_px[i];
 }
 
@@ -295,9 +296,9 @@ sheen_status sheen_calibrate(sheen_calibration *out, const sheen_board *board, c
 {
     *out = (sheen_calibration){0};
     job j = {.board = board, .views = views};
+    if (!n_views)
+        return sheen_fail(err, SHEEN_EDATA, "there are no frames to calibrate from");
     sheen_status s = choose_lens(&j.camera, options->lensmodel, err);
-    if (!s && !n_views)
-        s = sheen_fail(err, SHEEN_EDATA, "there are no frames to calibrate from");
     if (!s)
         s = check_views(board, views, n_views, err);
     if (s)

@@ -145,13 +145,13 @@ static sheen_status jacobian(cholmod_sparse **Jt_out, layout *l, const sheen_pro
 static bool projection_gradient(double *dq_db, const layout *l, const sheen_problem *p, const double q_px[2],
                                 double distance_m)
 {
-    const int n_states = l->n_states, n_lens = p->camera.n_intrinsics;
+    const size_t n_states = (size_t)l->n_states, n_lens = (size_t)p->camera.n_intrinsics;
     mrcal_point3_t v;
     const mrcal_point2_t q_in = {.x = q_px[0], .y = q_px[1]};
     mrcal_point2_t q;
     mrcal_point3_t dq_dp[2];
-    double *dq_dlens = calloc(2 * (size_t)n_lens, sizeof *dq_dlens);
-    memset(dq_db, 0, 2 * (size_t)n_states * sizeof *dq_db);
+    double *dq_dlens = calloc(2 * n_lens, sizeof *dq_dlens);
+    memset(dq_db, 0, 2 * n_states * sizeof *dq_db);
     bool ok = dq_dlens && mrcal_unproject(&v, &q_in, 1, &l->lens, p->camera.intrinsics);
     const double length = ok ? sqrt(v.x * v.x + v.y * v.y + v.z * v.z) : 0;
     ok = ok && length > 0 && isfinite(length);
@@ -162,10 +162,10 @@ static bool projection_gradient(double *dq_db, const layout *l, const sheen_prob
     }
     const int at_lens = mrcal_state_index_intrinsics(0, 1, 0, p->n_frames, 0, 0, p->n_frames, l->selections,
                                                      &l->lens);
-    for (int k = 0; ok && k < 2; k++)
-        memcpy(dq_db + k * n_states + at_lens, dq_dlens + k * n_lens, (size_t)n_lens * sizeof *dq_db);
+    for (size_t k = 0; ok && k < 2; k++)
+        memcpy(dq_db + k * n_states + (size_t)at_lens, dq_dlens + k * n_lens, n_lens * sizeof *dq_db);
     for (int i = 0; ok && i < p->n_frames; i++) {
-        const double *rt = p->rt_cam_grid + 6 * i;
+        const double *rt = p->rt_cam_grid + 6 * (size_t)i;
         sheen_Rt Rt;
         double p_grid[3], p_cam[3], dp[3][6];
         sheen_Rt_from_rt(&Rt, rt);
@@ -174,9 +174,9 @@ static bool projection_gradient(double *dq_db, const layout *l, const sheen_prob
         mrcal_transform_point_rt(p_cam, dp[0], NULL, rt, p_grid);
         const int at = mrcal_state_index_frames(i, 1, 0, p->n_frames, 0, 0, p->n_frames, l->selections,
                                                 &l->lens);
-        for (int k = 0; k < 2; k++)
-            for (int j = 0; j < 6; j++)
-                dq_db[k * n_states + at + j] =
+        for (size_t k = 0; k < 2; k++)
+            for (size_t j = 0; j < 6; j++)
+                dq_db[k * n_states + (size_t)at + j] =
                     (dq_dp[k].x * dp[0][j] + dq_dp[k].y * dp[1][j] + dq_dp[k].z * dp[2][j]) / p->n_frames;
     }
     free(dq_dlens);

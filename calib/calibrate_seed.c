@@ -67,7 +67,7 @@ static double focal_length(double (*H)[9], int n_frames)
 sheen_status sheen_problem_seed(sheen_problem *p, const sheen_board *board,
                                 const sheen_board_view *const *views, sheen_err *err)
 {
-    double(*H)[9] = malloc((size_t)p->n_frames * sizeof *H);
+    double(*H)[9] = calloc((size_t)p->n_frames + 1, sizeof *H);
     if (!H)
         return sheen_fail_memory(err, (double)p->n_frames * sizeof *H, "a calibration");
     sheen_status s = SHEEN_OK;
@@ -92,7 +92,7 @@ sheen_status sheen_problem_seed(sheen_problem *p, const sheen_board *board,
             goto done;
         }
         sheen_rt_from_Rt(rt_cam_board, &Rt_cam_board);
-        sheen_rt_compose(p->rt_cam_grid + 6 * i, rt_cam_board, rt_board_grid);
+        sheen_rt_compose(p->rt_cam_grid + 6 * (size_t)i, rt_cam_board, rt_board_grid);
     }
 
 done:

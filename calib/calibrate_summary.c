@@ -39,7 +39,7 @@ static double summarise_frame(sheen_calibration *c, const sheen_problem *p, cons
     double rt_board_grid[6], rt_grid_board[6];
     sheen_rt_board_grid(rt_board_grid, board);
     sheen_rt_invert(rt_grid_board, rt_board_grid);
-    sheen_rt_compose(frame->rt_cam_board, p->rt_cam_grid + 6 * i, rt_grid_board);
+    sheen_rt_compose(frame->rt_cam_board, p->rt_cam_grid + 6 * (size_t)i, rt_grid_board);
     return sum;
 }
 
@@ -56,11 +56,11 @@ static void summarise_poses(sheen_calibration *c, const sheen_problem *p)
     double largest = 1;
     for (int i = 0; i < p->n_frames; i++) {
         sheen_Rt a, b;
-        sheen_Rt_from_rt(&a, p->rt_cam_grid + 6 * i);
+        sheen_Rt_from_rt(&a, p->rt_cam_grid + 6 * (size_t)i);
         if (distance)
             distance[i] = sheen_norm(a.t);
         for (int k = 0; k < i; k++) {
-            sheen_Rt_from_rt(&b, p->rt_cam_grid + 6 * k);
+            sheen_Rt_from_rt(&b, p->rt_cam_grid + 6 * (size_t)k);
             const double cosine = a.R[0][2] * b.R[0][2] + a.R[1][2] * b.R[1][2] + a.R[2][2] * b.R[2][2];
             largest = fmin(largest, cosine);
         }

@@ -23,7 +23,7 @@ static sheen_status project(grid *g, const sheen_Rt *Rt, sheen_err *err)
     for (size_t i = 0; i < N; i++)
         sheen_Rt_point(g->p_to + 3 * i, Rt, g->p_cam + 3 * i);
     const sheen_status s = sheen_camera_project(g->to, g->q_to, g->dq_dp, g->p_to, N, err);
-    for (size_t i = 0; i < 2 * N && !s; i++)
+    for (size_t i = 0; i < (size_t)2 * N && !s; i++)
         if (!isfinite(g->q_to[i]))
             return sheen_fail(err, SHEEN_EDATA,
                               "the cameras cannot be compared: one looks where the other cannot");
@@ -99,10 +99,11 @@ sheen_status sheen_camera_compare(sheen_camera_difference *out, const sheen_came
     grid g = {.to = b};
     for (size_t i = 0; i < N; i++) {
         g.q_px[2 * i] = (double)(i % GRID_COLS) / (GRID_COLS - 1) * (a->width_px - 1);
-        g.q_px[2 * i + 1] = (double)(i / GRID_COLS) / (GRID_ROWS - 1) * (a->height_px - 1);
+        const size_t row = i / GRID_COLS;
+        g.q_px[2 * i + 1] = (double)row / (GRID_ROWS - 1) * (a->height_px - 1);
     }
     sheen_status s = sheen_camera_unproject(a, g.p_cam, g.q_px, N, err);
-    for (size_t i = 0; i < 3 * N && !s; i++) {
+    for (size_t i = 0; i < (size_t)3 * N && !s; i++) {
         if (!isfinite(g.p_cam[i]))
             s = sheen_fail(err, SHEEN_EDATA, "the lens has no inverse over the whole image");
         g.p_cam[i] *= distance_m;

@@ -95,13 +95,19 @@ static size_t drop_duplicates(sheen_tag_seen *tags, size_t n)
     return kept;
 }
 
+// What detecting needs, beside the detector.
+typedef struct picture {
+    const uint8_t *grey;
+    int width_px, height_px;
+    const sheen_board *board;
+} picture;
+
 static sheen_status detect_at(sheen_tag_seen **tags_out, size_t *n_out, sheen_tag_detector *d,
-                              const uint8_t *grey, int width_px, int height_px, int decimation,
-                              const sheen_board *board, sheen_err *err)
+                              const picture *p, int decimation, sheen_err *err)
 {
     // the library takes a pointer to mutable bytes and, with these settings, leaves them alone
-    image_u8_t image = {.width = width_px, .height = height_px, .stride = width_px};
-    memcpy(&image.buf, &grey, sizeof grey);
+    image_u8_t image = {.width = p->width_px, .height = p->height_px, .stride = p->width_px};
+    memcpy(&image.buf, &p->grey, sizeof p->grey);
     d->detector->quad_decimate = (float)decimation;
     zarray_t *found = apriltag_detector_detect(d->detector, &image);
     if (!found)
@@ -112,7 +118,7 @@ static sheen_status detect_at(sheen_tag_seen **tags_out, size_t *n_out, sheen_ta
     for (int i = 0; tags && i < n_found; i++) {
         apriltag_detection_t *detection;
         zarray_get(found, i, &detection);
-        const sheen_board_tag *tag = sheen_board_find_tag(board, detection->id);
+        const sheen_board_tag *tag = sheen_board_find_tag(p->board, detection->id);
         if (tag && tag->printed && detection->hamming <= 1)
             take(&tags[n++], detection, tag);
     }
@@ -133,15 +139,15 @@ sheen_status sheen_tags_detect(sheen_tag_seen **tags_out, size_t *n_out, sheen_t
     *n_out = 0;
     if (width_px < 8 || height_px < 8)
         return SHEEN_OK; // no room for a tag
+    const picture p = {.grey = grey, .width_px = width_px, .height_px = height_px, .board = board};
     int decimation = 1;
     while ((double)width_px * height_px > MAX_DECIMATED_PIXELS * decimation * decimation)
         decimation++;
-    const sheen_status s = detect_at(tags_out, n_out, detector, grey, width_px, height_px, decimation, board,
-                                     err);
+    const sheen_status s = detect_at(tags_out, n_out, detector, &p, decimation, err);
     if (s || decimation == 1 || *n_out >= FEW_TAGS)
         return s;
     free(*tags_out); // small tags in a large picture
     *tags_out = NULL;
     *n_out = 0;
-    return detect_at(tags_out, n_out, detector, grey, width_px, height_px, 1, board, err);
+    return detect_at(tags_out, n_out, detector, &p, 1, err);
 }

@@ -57,7 +57,7 @@ bool sheen_homography_fit(double H[9], const double *xy, const double *q, size_t
 
     // H = inverse(T_to) h T_from
     double hT[9];
-    for (int r = 0; r < 3; r++) {
+    for (size_t r = 0; r < 3; r++) {
         hT[3 * r] = h[3 * r] * from.scale;
         hT[3 * r + 1] = h[3 * r + 1] * from.scale;
         hT[3 * r + 2] = h[3 * r + 2] - hT[3 * r] * from.mean[0] - hT[3 * r + 1] * from.mean[1];
@@ -86,7 +86,7 @@ bool sheen_homography_apply(double q[2], const double H[9], const double xy[2])
 bool sheen_homography_pose(sheen_Rt *Rt_B_A, const double H[9], const double xy[2])
 {
     double r1[3], r2[3], r3[3];
-    for (int i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; i++) {
         r1[i] = H[3 * i];
         r2[i] = H[3 * i + 1];
     }

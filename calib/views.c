@@ -89,8 +89,11 @@ static sheen_status observe_all(sheen_views *out, const reader *r, size_t n, con
     sheen_err *errs = calloc(per_batch, sizeof *errs);
     out->views = calloc(n ? n : 1, sizeof *out->views);
     out->n_views = n;
-    if (!errs || !out->views)
-        s = sheen_fail_memory(err, (double)n * sizeof *out->views, "views of the board");
+    if (!errs || !out->views) {
+        free(errs);
+        sheen_views_release(out);
+        return sheen_fail_memory(err, (double)n * sizeof *out->views, "views of the board");
+    }
     for (size_t first = 0; first < n && !s; first += per_batch) {
         const size_t count = n - first < per_batch ? n - first : per_batch;
         s = sheen_progress_step(progress, "board", (int)first, (int)n, err);

@@ -77,7 +77,7 @@ typedef struct table {
 // Checks the frame that has ended.
 static sheen_status end_frame(table *t, sheen_err *err)
 {
-    if (!t->n_rows)
+    if (!t->n_rows || !t->out->frames)
         return SHEEN_OK;
     const sheen_vnl_frame *frame = &t->out->frames[t->out->n_frames - 1];
     if (t->n_rows != t->n_corners && !(t->n_rows == 1 && t->blank))
@@ -90,10 +90,12 @@ static sheen_status end_frame(table *t, sheen_err *err)
 static sheen_status begin_frame(table *t, const sheen_word *file, sheen_err *err)
 {
     sheen_vnl *out = t->out;
+    if (memchr(file->text, 0, file->length))
+        return sheen_fail(err, SHEEN_EFORMAT, "not a table of corners: it is not a text");
     if (file->length >= sizeof out->frames->file)
         return sheen_fail(err, SHEEN_EFORMAT, "a file name is longer than %zu bytes",
                           sizeof out->frames->file - 1);
-    if (out->n_frames == t->capacity) {
+    if (!out->frames || out->n_frames == t->capacity) {
         const size_t capacity = t->capacity ? 2 * t->capacity : 16;
         sheen_vnl_frame *frames = realloc(out->frames, capacity * sizeof *frames);
         if (!frames)
@@ -140,14 +142,14 @@ static sheen_status read_row(table *t, sheen_scan *row, sheen_err *err)
         sheen_status s = end_frame(t, err);
         if (!s)
             s = begin_frame(t, &file, err);
-        if (s)
+        if (s || !out->frames)
             return s;
         frame = &out->frames[out->n_frames - 1];
     }
     if (t->n_rows == t->n_corners)
         return sheen_fail(err, SHEEN_EFORMAT, "line %zu: frame '%.100s' has more rows than %d x %d corners",
                           row->line, frame->file, out->n_cols, out->n_rows);
-    double corner[3];
+    double corner[3] = {0};
     bool blank = false;
     const sheen_status s = read_corner(corner, &blank, row, err);
     if (s)

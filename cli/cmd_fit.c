@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // cmd_fit.c - sheen fit: texture, lights and gloss from a session's photographs.
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "cli/cli.h"
@@ -50,6 +51,31 @@ static sheen_status parse(sheen_cli *cli, fit_args *a, sheen_err *err)
     return SHEEN_OK;
 }
 
+// E of eq. (9) after each turn, on one line.
+static void say_turns(sheen_cli *cli, const sheen_fit_summary *f)
+{
+    char text[1024] = "";
+    size_t n = 0;
+    for (size_t i = 0; i < f->n_turns && n + 16 < sizeof text; i++)
+        n += (size_t)snprintf(text + n, sizeof text - n, " %.4f", f->turns[i].objective);
+    sheen_cli_say(cli, "objective by turn:%s", text);
+}
+
+static void put_turns(sheen_cli *cli, const sheen_fit_summary *f)
+{
+    sheen_json_open(&cli->out, "turns", '[');
+    for (size_t i = 0; i < f->n_turns; i++) {
+        const sheen_refine_turn *t = &f->turns[i];
+        sheen_json_open(&cli->out, NULL, '{');
+        sheen_json_put_number(&cli->out, "sigma_rad", t->sigma_rad);
+        sheen_json_put_number(&cli->out, "k_s", t->k_s);
+        sheen_json_put_number(&cli->out, "objective", t->objective);
+        sheen_json_put_int(&cli->out, "nodes_left", (long long)t->n_nodes_left);
+        sheen_json_close(&cli->out);
+    }
+    sheen_json_close(&cli->out);
+}
+
 void sheen_cli_say_fit(sheen_cli *cli, const sheen_fit_summary *f)
 {
     sheen_cli_say(cli, "%zu photographs, %zu samples; %.1f %% of the surface was seen", f->n_views,
@@ -59,6 +85,7 @@ void sheen_cli_say_fit(sheen_cli *cli, const sheen_fit_summary *f)
     sheen_cli_say(cli, "k_S %.4g, sigma %.4f rad (started at %.4f), objective %.4g after %zu turns%s", f->k_s,
                   f->sigma_rad, f->sigma0_rad, f->objective, f->n_turns,
                   f->converged ? "" : ", not converged");
+    say_turns(cli, f);
     sheen_json_put_int(&cli->out, "photographs", (long long)f->n_views);
     sheen_json_put_int(&cli->out, "samples", (long long)f->n_samples);
     sheen_json_put_number(&cli->out, "seen_share", f->seen_share);
@@ -71,7 +98,7 @@ void sheen_cli_say_fit(sheen_cli *cli, const sheen_fit_summary *f)
     sheen_json_put_number(&cli->out, "sigma0_rad", f->sigma0_rad);
     sheen_json_put_number(&cli->out, "sigma_err", f->sigma_err);
     sheen_json_put_number(&cli->out, "objective", f->objective);
-    sheen_json_put_int(&cli->out, "turns", (long long)f->n_turns);
+    put_turns(cli, f);
     sheen_json_put_bool(&cli->out, "converged", f->converged);
     sheen_json_put_numbers(&cli->out, "light_rgb", f->light_rgb, 3);
 }
@@ -92,6 +119,7 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
     sheen_cli_clear_bar(cli);
     if (!st)
         sheen_cli_say_fit(cli, &summary);
+    sheen_fit_summary_release(&summary);
     sheen_session_release(&s);
     return st;
 }

@@ -114,6 +114,7 @@ static sheen_status run_fit(run_state *r, sheen_err *err)
     sheen_cli_clear_bar(r->cli);
     if (!st)
         sheen_cli_say_fit(r->cli, &summary);
+    sheen_fit_summary_release(&summary);
     return st;
 }
 

@@ -68,6 +68,8 @@ static bool asks_for_json(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
+    setvbuf(stdout, NULL, _IOLBF,
+            0); // so that results and progress keep their order where both go to one place
     if (argc < 2) {
         print_usage(stderr);
         return SHEEN_EXIT_USAGE;

@@ -14,15 +14,15 @@ char *sheen_evaluation_table(const sheen_evaluation *e)
         return NULL;
     size_t n = (size_t)snprintf(
         text, SIZE,
-        "| method | object, sRGB dB | highlights, linear dB | highlights, sRGB dB | ORB PSNR-H | "
-        "ORB PSNR-L | ORB SSIM |\n|---|---|---|---|---|---|---|\n");
+        "| dB | object, sRGB | object, linear | highlights, sRGB | highlights, linear "
+        "| ORB PSNR-H | ORB PSNR-L | ORB SSIM |\n|---|---|---|---|---|---|---|---|\n");
     for (int m = 0; m < SHEEN_EVALUATION_METHODS; m++) {
         const sheen_score s = sheen_evaluation_mean(e, m);
         const char *bold = m ? "" : "**";
         n += (size_t)snprintf(
-            text + n, SIZE - n, "| %s%s%s | %s%.2f%s | %s%.2f%s | %.2f | %.2f | %.2f | %.4f |\n", bold,
-            sheen_evaluation_method_name(m), bold, bold, s.object.srgb_db, bold, bold, s.highlights.linear_db,
-            bold, s.highlights.srgb_db, s.orb.hdr_db, s.orb.ldr_db, s.orb.ssim);
+            text + n, SIZE - n, "| %s%s%s | %s%.2f%s | %.2f | %.2f | %s%.2f%s | %.2f | %.2f | %.4f |\n", bold,
+            sheen_evaluation_method_name(m), bold, bold, s.object.srgb_db, bold, s.object.linear_db,
+            s.highlights.srgb_db, bold, s.highlights.linear_db, bold, s.orb.hdr_db, s.orb.ldr_db, s.orb.ssim);
     }
     return text;
 }

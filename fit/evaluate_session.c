@@ -19,6 +19,7 @@ static const char *const stamp_files[] = {SHEEN_SESSION_MODEL "/model.json",
                                           SHEEN_SESSION_REGISTRATION,
                                           "frames:input",
                                           "frames:test",
+                                          "highlights:test",
                                           NULL};
 
 typedef struct stage {
@@ -28,6 +29,7 @@ typedef struct stage {
     sheen_photos inputs, tests;
     sheen_image *highlights; // [tests.count]
     sheen_comparison comparison;
+    double rt_board_obj[6];
     sheen_evaluation *out;
 } stage;
 
@@ -91,7 +93,7 @@ static sheen_status load_outside_photo(stage *st, sheen_photo *photo, const shee
                           photo->image.width_px, photo->image.height_px, st->tests.cam.width_px,
                           st->tests.cam.height_px);
     snprintf(photo->name, sizeof photo->name, "%.63s", view->name);
-    memcpy(photo->rt_cam_obj, view->rt_cam_world, sizeof photo->rt_cam_obj);
+    sheen_rt_compose(photo->rt_cam_obj, view->rt_cam_world, st->rt_board_obj);
     const int still = st->model.moving == SHEEN_MOVING_CAMERA;
     memcpy(photo->rt_world_obj, still ? st->model.rt_world_obj : photo->rt_cam_obj,
            sizeof photo->rt_world_obj);
@@ -102,8 +104,8 @@ static sheen_status load_outside_photo(stage *st, sheen_photo *photo, const shee
 static sheen_status load_outside(stage *st, sheen_err *err)
 {
     sheen_pose_file poses = {0};
-    sheen_status s = sheen_pose_file_load(&poses, st->o->poses_path, err);
-    if (s)
+    sheen_status s = sheen_registration_load(st->rt_board_obj, st->s, err);
+    if (s || (s = sheen_pose_file_load(&poses, st->o->poses_path, err)))
         return s;
     st->tests.cam = poses.n_cameras ? poses.cameras[0] : st->inputs.cam;
     st->tests.photos = calloc(poses.n_views + 1, sizeof *st->tests.photos);

@@ -10,7 +10,7 @@ typedef struct sheen_evaluate_session_options {
     sheen_paper_options fit; // for folds; its n_threads and progress hold for all
     int n_folds; // > 0: that many fits, each without every n_folds-th input frame, scored on those
     const char *against_dir; // pictures to score on, <name>.<png|jpg|tif|exr>, posed by
-    const char *poses_path;  // this file (base/pose_file.h); poses in the mesh's frame
+    const char *poses_path;  // this file (base/pose_file.h); poses in the board's frame
     sheen_transfer transfer; // of those pictures
 } sheen_evaluate_session_options;
 

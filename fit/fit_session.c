@@ -47,7 +47,7 @@ static sheen_status load(stage *st, const sheen_progress *progress, sheen_err *e
     return sheen_photos_load(&st->photos, st->s, SHEEN_ROLE_INPUT, progress, err);
 }
 
-static void summarize(sheen_fit_summary *out, const sheen_paper_fit *f)
+static sheen_status summarize(sheen_fit_summary *out, const sheen_paper_fit *f, sheen_err *err)
 {
     *out = (sheen_fit_summary){.n_views = f->n_views,
                                .n_samples = f->n_samples,
@@ -71,6 +71,19 @@ static void summarize(sheen_fit_summary *out, const sheen_paper_fit *f)
     out->seen_share = n ? (double)n_seen / (double)n : 0;
     for (size_t i = 0; i < f->geodesic.n_nodes; i++)
         out->n_reached += f->combined.n_reached[i] > 0;
+    const size_t size_bytes = f->refined.n_turns * sizeof *out->turns;
+    out->turns = malloc(size_bytes + 1);
+    if (!out->turns)
+        return sheen_fail_memory(err, (double)size_bytes, "the fit's history");
+    memcpy(out->turns, f->refined.turns, size_bytes);
+    return SHEEN_OK;
+}
+
+void sheen_fit_summary_release(sheen_fit_summary *f)
+{
+    free(f->turns);
+    f->turns = NULL;
+    f->n_turns = 0;
 }
 
 // Members of model.json that tell how it came about.
@@ -78,7 +91,6 @@ static void write_report(void *self, sheen_json_writer *w)
 {
     stage *st = self;
     const sheen_fit_summary *r = st->summary;
-    const sheen_refine_result *refined = &st->fit.refined;
     const char *files[7];
     input_files(files, st->s);
     sheen_json_open(w, "fit", '{');
@@ -94,8 +106,8 @@ static void write_report(void *self, sheen_json_writer *w)
     sheen_json_put_number(w, "objective", r->objective);
     sheen_json_put_bool(w, "converged", r->converged);
     sheen_json_open(w, "turns", '[');
-    for (size_t i = 0; i < refined->n_turns; i++) {
-        const sheen_refine_turn *t = &refined->turns[i];
+    for (size_t i = 0; i < r->n_turns; i++) {
+        const sheen_refine_turn *t = &r->turns[i];
         const double row[4] = {t->sigma_rad, t->k_s, t->objective, (double)t->n_nodes_left};
         sheen_json_put_numbers(w, NULL, row, 4);
     }
@@ -125,6 +137,7 @@ static sheen_status save(stage *st, sheen_err *err)
 sheen_status sheen_fit_session(sheen_fit_summary *out, const sheen_session *s,
                                const sheen_paper_options *options, sheen_err *err)
 {
+    *out = (sheen_fit_summary){0};
     stage st = {.s = s, .summary = out};
     sheen_stopwatch watch = sheen_stopwatch_now();
     sheen_status status = load(&st, &options->progress, err);
@@ -139,9 +152,11 @@ sheen_status sheen_fit_session(sheen_fit_summary *out, const sheen_session *s,
     memcpy(st.fit.model.rt_world_obj, st.photos.photos[0].rt_world_obj, sizeof st.fit.model.rt_world_obj);
     if (s->moving == SHEEN_MOVING_OBJECT)
         memset(st.fit.model.rt_world_obj, 0, sizeof st.fit.model.rt_world_obj);
-    summarize(out, &st.fit);
+    if ((status = summarize(out, &st.fit, err)))
+        goto done;
     watch = sheen_stopwatch_now();
-    status = save(&st, err);
+    if ((status = save(&st, err)))
+        sheen_fit_summary_release(out);
     sheen_progress_timed(&options->progress, "writing the model", &watch);
 
 done:

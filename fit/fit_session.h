@@ -15,8 +15,11 @@ typedef struct sheen_fit_summary {
         n_left; // hemisphere; reached by a mirror shot; kept by the check; lit at the end
     double sigma0_rad, sigma_rad, k_s, sigma_err, objective, light_rgb[3];
     int converged;
+    sheen_refine_turn *turns; // [n_turns] sigma, k_S, E and the nodes left, turn by turn
     size_t n_turns;
 } sheen_fit_summary;
+
+void sheen_fit_summary_release(sheen_fit_summary *f);
 
 // Fits the input frames and replaces model/ in one step: model.json, texture.exr and the pictures (pictures.h). On any
 // failure the session is as it was.

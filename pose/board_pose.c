@@ -140,11 +140,14 @@ static sheen_status tag_agreement(double *error_px, double *side_px, const doubl
     const size_t n = view->n_tags;
     sheen_pose_points points;
     sheen_status s = points_of_tags(&points, view, err);
+    if (s)
+        return s;
     double *values = malloc((6 * n + 1) * sizeof *values);
-    if (!s && !values)
-        s = sheen_fail_memory(err, 6 * (double)n * sizeof *values, "a pose");
-    if (!s)
-        s = sheen_pose_errors(values, rt_cam_board, camera, &points, err);
+    if (!values) {
+        sheen_pose_points_release(&points);
+        return sheen_fail_memory(err, 6 * (double)n * sizeof *values, "a pose");
+    }
+    s = sheen_pose_errors(values, rt_cam_board, camera, &points, err);
     for (size_t i = 0; i < n && !s; i++) {
         double fitted[4][2], a[2], b[2];
         memcpy(fitted, points.fit_px + 8 * i, sizeof fitted);
@@ -202,7 +205,7 @@ static sheen_status check(const sheen_board_pose *p, const sheen_pose_points *po
 {
     const int n = p->n_points + p->n_outliers;
     double distance_m = sheen_norm(p->rt_cam_board + 3), var_r = 0, var_t = 0;
-    for (int i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; i++) {
         var_r = fmax(var_r, p->covariance[7 * i]);
         var_t = fmax(var_t, p->covariance[7 * (3 + i)]);
     }
@@ -230,7 +233,7 @@ static sheen_status check(const sheen_board_pose *p, const sheen_pose_points *po
 static sheen_status find_from(sheen_board_pose *out, const sheen_camera *camera, const sheen_board *board,
                               const sheen_board_view *view, sheen_pose_points *points, sheen_err *err)
 {
-    double side_px;
+    double side_px = 0;
     bool ambiguous;
     sheen_status s = fit_robustly(out, camera, points, out->from_tags ? TAG_REJECT_FLOOR_PX : REJECT_FLOOR_PX,
                                   err);

@@ -127,7 +127,7 @@ static bool damped_step(double step[6], const double A[36], const double b[6], d
     double M[36];
     memcpy(M, A, sizeof M);
     memcpy(step, b, 6 * sizeof *step);
-    for (int i = 0; i < 6; i++)
+    for (size_t i = 0; i < 6; i++)
         M[7 * i] *= 1 + lambda;
     if (!sheen_cholesky(M, 6))
         return false;

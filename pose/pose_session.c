@@ -64,7 +64,7 @@ static sheen_status list_frames(inputs *in, const sheen_session *s, sheen_err *e
 static double sigma_m(const sheen_frame_pose *p)
 {
     double var = 0;
-    for (int i = 3; i < 6; i++)
+    for (size_t i = 3; i < 6; i++)
         var = fmax(var, p->covariance[7 * i]);
     return sqrt(var);
 }
