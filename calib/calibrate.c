@@ -237,7 +237,11 @@ static sheen_status cross_validate(sheen_calibration *c, const job *j, sheen_err
         if (s)
             return s;
     }
-    c->has_halves = sheen_camera_compare(&c->halves, &half[0], &half[1], c->distance_m, NULL) == SHEEN_OK;
+    c->has_halves = true;
+    if (sheen_camera_compare(&c->halves, &half[0], &half[1], c->distance_m, NULL)) {
+        const double none = (double)NAN;
+        c->halves = (sheen_camera_difference){none, none, none, none, none, none};
+    }
     return SHEEN_OK;
 }
 

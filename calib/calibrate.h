@@ -50,8 +50,8 @@ typedef struct sheen_calibration {
     double warp_m[2];  // how far the board's middle stands out of its edges: along x, along y
     double distance_m; // median distance of the board
     double tilt_rad;   // largest angle between the board's normals of two frames
-    // One camera from the even frames, one from the odd: how they differ at distance_m. False with fewer than
-    // twice the smallest number of frames.
+    // One camera from the even frames, one from the odd: how they differ at distance_m; NaN where they differ so
+    // much that one looks where the other cannot. False with fewer than twice the smallest number of frames.
     bool has_halves;
     sheen_camera_difference halves;
     // One standard deviation of where a point at distance_m is projected, in the direction in which it is
