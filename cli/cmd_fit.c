@@ -11,6 +11,7 @@
 
 typedef struct fit_args {
     const char *method, *loss;
+    sheen_fit_method chosen;
     double sigma0_deg;
     int max_samples;
     sheen_paper_options o;
@@ -19,8 +20,9 @@ typedef struct fit_args {
 static sheen_status parse(sheen_cli *cli, fit_args *a, sheen_err *err)
 {
     const sheen_option options[] = {
-        {"method", 0, SHEEN_OPTION_TEXT, &a->method, "NAME", "paper: Nishino, Zhang, Ikeuchi 2001 (default)",
-         0, 0},
+        {"method", 0, SHEEN_OPTION_TEXT, &a->method, "NAME",
+         "paper: Nishino, Zhang, Ikeuchi 2001 (default);\nrefined: with shadows and mirrored surroundings", 0,
+         0},
         {"texels", 0, SHEEN_OPTION_INT, &a->o.texels_per_edge, "N",
          "texels along a triangle's edge (default: as fine as\nthe photographs)", 2, 64},
         {"frequency", 0, SHEEN_OPTION_INT, &a->o.frequency, "N",
@@ -41,8 +43,8 @@ static sheen_status parse(sheen_cli *cli, fit_args *a, sheen_err *err)
     const sheen_status s = sheen_cli_parse(cli, options, 1, 1, err);
     if (s || cli->wants_help)
         return s;
-    if (a->method && strcmp(a->method, "paper") != 0)
-        return sheen_cli_usage(cli, err, "unknown method '%.40s': there is 'paper'", a->method);
+    if (a->method && sheen_fit_method_from_name(&a->chosen, a->method, NULL))
+        return sheen_cli_usage(cli, err, "unknown method '%.40s': use 'paper' or 'refined'", a->method);
     if (a->loss && strcmp(a->loss, "lorentzian") != 0 && strcmp(a->loss, "quartic") != 0)
         return sheen_cli_usage(cli, err, "unknown loss '%.40s': use 'lorentzian' or 'quartic'", a->loss);
     a->o.loss = a->loss && !strcmp(a->loss, "quartic") ? SHEEN_LOSS_QUARTIC : SHEEN_LOSS_LORENTZIAN;
@@ -86,6 +88,11 @@ void sheen_cli_say_fit(sheen_cli *cli, const sheen_fit_summary *f)
                   f->sigma_rad, f->sigma0_rad, f->objective, f->n_turns,
                   f->converged ? "" : ", not converged");
     say_turns(cli, f);
+    if (!isnan(f->f0))
+        sheen_cli_say(cli, "surroundings: reflectance %.3f at normal incidence, with the mesh's own shadows",
+                      f->f0);
+    sheen_json_put_string(&cli->out, "method", f->method);
+    sheen_json_put_number(&cli->out, "f0", f->f0);
     sheen_json_put_int(&cli->out, "photographs", (long long)f->n_views);
     sheen_json_put_int(&cli->out, "samples", (long long)f->n_samples);
     sheen_json_put_number(&cli->out, "seen_share", f->seen_share);
@@ -115,7 +122,7 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
     st = sheen_session_open(&s, cli->args[0], err);
     if (st)
         return st;
-    st = sheen_fit_session(&summary, &s, &a.o, err);
+    st = sheen_fit_session(&summary, &s, a.chosen, &a.o, err);
     sheen_cli_clear_bar(cli);
     if (!st)
         sheen_cli_say_fit(cli, &summary);

@@ -150,7 +150,7 @@ static void fill(void *self, size_t begin, size_t end)
 {
     const job *j = self;
     const size_t per_triangle = sheen_texels_per_triangle(j->v->texels_per_edge);
-    float p_obj[3 * SHEEN_TEXTURE_MAX_EDGE * (SHEEN_TEXTURE_MAX_EDGE + 1) / 2];
+    float p_obj[3 * SHEEN_TEXTURE_MAX_EDGE * (SHEEN_TEXTURE_MAX_EDGE + 1) / 2] = {0};
     const float *rgb[MAX_VIEWS];
     size_t view[MAX_VIEWS];
     for (size_t f = begin; f < end; f++) {

@@ -36,6 +36,7 @@ static sheen_model plain_model(const sheen_model *model, const sheen_texture *te
     sheen_model m = *model;
     m.texture = *texture;
     m.lights.count = 0;
+    m.surroundings.present = 0;
     return m;
 }
 

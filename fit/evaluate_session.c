@@ -13,14 +13,12 @@
 
 #define UNFINISHED ".evaluation.new"
 
-static const char *const stamp_files[] = {SHEEN_SESSION_MODEL "/model.json",
-                                          SHEEN_SESSION_CAMERA,
-                                          SHEEN_SESSION_POSES,
-                                          SHEEN_SESSION_REGISTRATION,
-                                          "frames:input",
-                                          "frames:test",
-                                          "highlights:test",
-                                          NULL};
+static const char model_file[] = SHEEN_SESSION_MODEL "/model.json";
+static const char result_file[] = SHEEN_SESSION_EVALUATION "/evaluation.json";
+
+static const char *const stamp_files[] = {
+    model_file,     SHEEN_SESSION_CAMERA, SHEEN_SESSION_POSES, SHEEN_SESSION_REGISTRATION,
+    "frames:input", "frames:test",        "highlights:test",   NULL};
 
 typedef struct stage {
     const sheen_session *s;
@@ -168,7 +166,7 @@ static sheen_status evaluate_fold(stage *st, const sheen_photos *all, sheen_mesh
     sheen_status s = split(st, all, fold, err);
     if (s || (s = load_all_highlights(st, st->s->path, err)))
         goto done;
-    if ((s = sheen_paper_fit_make(&fit, mesh, &st->inputs, &st->o->fit, err)))
+    if ((s = sheen_fit_make(&fit, st->o->method, st->s->moving, mesh, &st->inputs, &st->o->fit, err)))
         goto done;
     fit.model.moving = st->s->moving;
     st->model = fit.model;
@@ -275,8 +273,8 @@ bool sheen_evaluation_is_current(const sheen_session *s)
 {
     char path[SHEEN_PATH_MAX];
     sheen_json *root = NULL;
-    if (sheen_session_path(path, s, SHEEN_SESSION_EVALUATION "/evaluation.json", NULL) ||
-        !sheen_file_exists(path) || sheen_json_load(&root, path, NULL))
+    if (sheen_session_path(path, s, result_file, NULL) || !sheen_file_exists(path) ||
+        sheen_json_load(&root, path, NULL))
         return false;
     const bool current = sheen_stamp_is_current(root, s, stamp_files);
     sheen_json_free(&root);

@@ -4,9 +4,10 @@
 #define SHEEN_FIT_EVALUATE_SESSION_H
 
 #include "fit/evaluate.h"
-#include "fit/paper.h"
+#include "fit/method.h"
 
 typedef struct sheen_evaluate_session_options {
+    sheen_fit_method method; // for folds
     sheen_paper_options fit; // for folds; its n_threads and progress hold for all
     int n_folds; // > 0: that many fits, each without every n_folds-th input frame, scored on those
     const char *against_dir; // pictures to score on, <name>.<png|jpg|tif|exr>, posed by

@@ -2,6 +2,8 @@
 // fit_session.c - reads what the fit needs, fits, writes model/ beside its place and moves it there.
 #include "fit/fit_session.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -49,7 +51,8 @@ static sheen_status load(stage *st, const sheen_progress *progress, sheen_err *e
 
 static sheen_status summarize(sheen_fit_summary *out, const sheen_paper_fit *f, sheen_err *err)
 {
-    *out = (sheen_fit_summary){.n_views = f->n_views,
+    *out = (sheen_fit_summary){.f0 = f->model.surroundings.present ? f->model.surroundings.f0 : (double)NAN,
+                               .n_views = f->n_views,
                                .n_samples = f->n_samples,
                                .texels_per_edge = f->model.texture.texels_per_edge,
                                .n_nodes = f->geodesic.n_nodes,
@@ -62,6 +65,7 @@ static sheen_status summarize(sheen_fit_summary *out, const sheen_paper_fit *f, 
                                .objective = f->refined.objective,
                                .converged = f->refined.converged,
                                .n_turns = f->refined.n_turns};
+    snprintf(out->method, sizeof out->method, "%s", f->model.method);
     memcpy(out->light_rgb, f->model.light_rgb, sizeof out->light_rgb);
     const sheen_texture *t = &f->model.texture;
     const size_t n = t->n_triangles * sheen_texels_per_triangle(t->texels_per_edge);
@@ -134,7 +138,7 @@ static sheen_status save(stage *st, sheen_err *err)
     return SHEEN_OK;
 }
 
-sheen_status sheen_fit_session(sheen_fit_summary *out, const sheen_session *s,
+sheen_status sheen_fit_session(sheen_fit_summary *out, const sheen_session *s, sheen_fit_method method,
                                const sheen_paper_options *options, sheen_err *err)
 {
     *out = (sheen_fit_summary){0};
@@ -144,7 +148,7 @@ sheen_status sheen_fit_session(sheen_fit_summary *out, const sheen_session *s,
     if (status)
         goto done;
     sheen_progress_timed(&options->progress, "reading photographs", &watch);
-    if ((status = sheen_paper_fit_make(&st.fit, &st.mesh, &st.photos, options, err)))
+    if ((status = sheen_fit_make(&st.fit, method, s->moving, &st.mesh, &st.photos, options, err)))
         goto done;
     st.fit.model.mesh = st.mesh; // the model owns it from here on
     st.mesh = (sheen_mesh){0};

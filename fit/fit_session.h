@@ -4,10 +4,12 @@
 #define SHEEN_FIT_FIT_SESSION_H
 
 #include "base/session.h"
-#include "fit/paper.h"
+#include "fit/method.h"
 
 // What the paper reports, and what a person asks.
 typedef struct sheen_fit_summary {
+    char method[24];
+    double f0; // reflectance at normal incidence; NaN: not part of the method
     size_t n_views, n_samples;
     int texels_per_edge;
     double seen_share; // of the texels
@@ -23,7 +25,7 @@ void sheen_fit_summary_release(sheen_fit_summary *f);
 
 // Fits the input frames and replaces model/ in one step: model.json, texture.exr and the pictures (pictures.h). On any
 // failure the session is as it was.
-sheen_status sheen_fit_session(sheen_fit_summary *out, const sheen_session *s,
+sheen_status sheen_fit_session(sheen_fit_summary *out, const sheen_session *s, sheen_fit_method method,
                                const sheen_paper_options *options, sheen_err *err);
 
 // True where model/ was made from the session's present inputs.

@@ -36,22 +36,22 @@ static bool sees_anything(const sheen_texture *t, size_t n_texels)
 
 sheen_status sheen_global_texture_minimum(sheen_texture *out, const sheen_mesh *mesh,
                                           const sheen_scene *scene, const sheen_photos *photos,
-                                          const sheen_gbuffer *gbuffers, int texels_per_edge, int n_threads,
-                                          const sheen_progress *progress, sheen_err *err)
+                                          const sheen_gbuffer *gbuffers,
+                                          const sheen_global_texture_options *o, sheen_err *err)
 {
     *out = (sheen_texture){0};
     sheen_texel_view view = {0};
     sheen_status s;
-    if ((s = sheen_texture_init(out, mesh->n_triangles, texels_per_edge, err)) ||
-        (s = sheen_texel_view_init(&view, mesh->n_triangles, texels_per_edge, err)))
+    if ((s = sheen_texture_init(out, mesh->n_triangles, o->texels_per_edge, err)) ||
+        (s = sheen_texel_view_init(&view, mesh->n_triangles, o->texels_per_edge, err)))
         goto done;
     for (size_t i = 0; i < photos->count; i++) {
-        if ((s = sheen_progress_step(progress, "global texture", (int)i, (int)photos->count, err)))
+        if ((s = sheen_progress_step(o->progress, "global texture", (int)i, (int)photos->count, err)))
             goto done;
         sheen_texel_view_fill(&view, mesh, scene, &gbuffers[i], &photos->cam, &photos->photos[i],
-                              texels_per_edge, n_threads);
+                              o->texels_per_edge, o->n_threads);
         merge_job j = {out, &view};
-        sheen_parallel_for(view.n_texels, 16384, n_threads, merge, &j);
+        sheen_parallel_for(view.n_texels, 16384, o->n_threads, merge, &j);
     }
     if (!sees_anything(out, view.n_texels))
         s = sheen_fail(err, SHEEN_EDATA,

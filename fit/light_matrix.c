@@ -97,6 +97,32 @@ done:
     return s;
 }
 
+typedef struct hiding {
+    sheen_light_matrix *m;
+    const float *node_world;
+    int (*hidden)(void *self, size_t i_sample, const float l_world[3]);
+    void *self;
+    float max_alpha2;
+} hiding;
+
+static void hide_columns(void *self, size_t begin, size_t end)
+{
+    const hiding *h = self;
+    for (size_t l = begin; l < end; l++)
+        for (size_t k = h->m->column_start[l]; k < h->m->column_start[l + 1]; k++)
+            if (h->m->alpha2[k] < h->max_alpha2 && h->hidden(h->self, h->m->sample[k], h->node_world + 3 * l))
+                h->m->alpha2[k] = HUGE_VALF; // exp of it is 0 at any sigma
+}
+
+void sheen_light_matrix_hide(sheen_light_matrix *m, const float *node_world,
+                             int (*hidden)(void *self, size_t i_sample, const float l_world[3]), void *self,
+                             int n_threads)
+{
+    const float reach = 3 * (float)m->sigma_max_rad;
+    hiding h = {m, node_world, hidden, self, reach * reach};
+    sheen_parallel_for(m->n_nodes, 4, n_threads, hide_columns, &h);
+}
+
 void sheen_light_matrix_release(sheen_light_matrix *m)
 {
     free(m->column_start);

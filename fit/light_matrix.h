@@ -27,6 +27,12 @@ sheen_status sheen_light_matrix_init(sheen_light_matrix *m, const sheen_samples 
                                      int n_threads, sheen_err *err);
 void sheen_light_matrix_release(sheen_light_matrix *m);
 
+// Takes out the pairs for which hidden(self, i_sample, node direction) is not 0: lights that the mesh hides. Called from
+// several threads. Pairs beyond three sigma_max are not asked.
+void sheen_light_matrix_hide(sheen_light_matrix *m, const float *node_world,
+                             int (*hidden)(void *self, size_t i_sample, const float l_world[3]), void *self,
+                             int n_threads);
+
 // Computes `value` for a sigma up to sigma_max_rad.
 void sheen_light_matrix_set_sigma(sheen_light_matrix *m, double sigma_rad, int n_threads);
 

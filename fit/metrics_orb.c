@@ -142,8 +142,8 @@ sheen_status sheen_orb_of(sheen_orb *out, const sheen_image *rendered, const she
     assert(rendered->n_channels == 3 && photo->n_channels == 3);
     pair p = {.rendered = rendered, .photo = photo, .n = (size_t)photo->width_px * (size_t)photo->height_px};
     sheen_status s = SHEEN_OK;
-    p.mask = malloc(p.n);
-    float *r = malloc(p.n * sizeof *r), *q = malloc(p.n * sizeof *q);
+    p.mask = calloc(p.n, 1);
+    float *r = calloc(p.n, sizeof *r), *q = calloc(p.n, sizeof *q);
     if (!p.mask || !r || !q) {
         s = sheen_fail_memory(err, 9.0 * (double)p.n, "an evaluation");
         goto done;

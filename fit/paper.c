@@ -49,9 +49,9 @@ static sheen_status make_texture(run *r, const sheen_scene *scene, sheen_err *er
 {
     if (!r->o.texels_per_edge)
         r->o.texels_per_edge = sheen_texels_per_edge_for(r->mesh, r->photos);
+    const sheen_global_texture_options o = {r->o.texels_per_edge, r->o.n_threads, &r->o.progress};
     const sheen_status s = sheen_global_texture_minimum(&r->f->model.texture, r->mesh, scene, r->photos,
-                                                        r->f->gbuffers, r->o.texels_per_edge, r->o.n_threads,
-                                                        &r->o.progress, err);
+                                                        r->f->gbuffers, &o, err);
     sheen_progress_timed(&r->o.progress, "global texture", &r->watch);
     return s;
 }
@@ -83,19 +83,10 @@ static sheen_status make_hemisphere(run *r, sheen_err *err)
     return SHEEN_OK;
 }
 
-// Section 4.3, from the nodes with a value and their Y.
-static sheen_status refine(run *r, sheen_err *err)
+// The nodes with a value: their directions and their Y.
+static size_t list_nodes(sheen_paper_fit *f, float *node_world, float *radiance0)
 {
-    sheen_paper_fit *f = r->f;
     const size_t n = f->combined.n_assigned;
-    sheen_samples samples = {0};
-    float *node_world = malloc(3 * n * sizeof *node_world), *radiance0 = malloc(n * sizeof *radiance0);
-    f->nodes = malloc(n * sizeof *f->nodes);
-    sheen_status s = SHEEN_OK;
-    if (!node_world || !radiance0 || !f->nodes) {
-        s = sheen_fail_memory(err, 20.0 * (double)n, "light nodes");
-        goto done;
-    }
     size_t k = 0;
     for (uint32_t i = 0; i < f->geodesic.n_nodes && k < n; i++) {
         const float Y = sheen_luminance(f->combined.rgb + 3 * i);
@@ -106,37 +97,16 @@ static sheen_status refine(run *r, sheen_err *err)
         f->nodes[k++] = i;
     }
     f->combined.n_assigned = k;
-    f->sigma0_rad = r->o.sigma0_rad;
-    if (!(f->sigma0_rad > 0))
-        f->sigma0_rad = sheen_start_sigma(&f->combined, &f->geodesic);
-    if ((s = sheen_samples_take(&samples, f->residuals, f->n_views, (float)r->o.threshold_lin,
-                                r->o.max_samples, err)))
-        goto done;
-    f->n_samples = samples.count;
-    const sheen_refine_options o = {.sigma0_rad = f->sigma0_rad,
-                                    .loss = r->o.loss,
-                                    .n_threads = r->o.n_threads,
-                                    .progress = r->o.progress};
-    s = sheen_refine(&f->refined, &samples, node_world, radiance0, k,
-                     sheen_geodesic_solid_angle_sr(&f->geodesic), &o, err);
-    sheen_progress_timed(&r->o.progress, "lights and roughness", &r->watch);
-
-done:
-    sheen_samples_release(&samples);
-    free(node_world);
-    free(radiance0);
-    return s;
+    return k;
 }
 
 // The nodes that are still lit become the model's lights.
-static sheen_status set_model(run *r, sheen_err *err)
+static sheen_status set_lights(sheen_paper_fit *f, sheen_err *err)
 {
-    sheen_paper_fit *f = r->f;
     sheen_model *m = &f->model;
     sheen_status s = sheen_model_set_lights(m, f->refined.n_nodes_left, err);
     if (s)
         return s;
-    snprintf(m->method, sizeof m->method, "paper");
     m->frequency = f->geodesic.frequency;
     m->n_hemisphere = f->geodesic.n_nodes;
     m->k_s = f->refined.k_s;
@@ -159,13 +129,65 @@ static sheen_status set_model(run *r, sheen_err *err)
     return SHEEN_OK;
 }
 
+sheen_status sheen_paper_lights(sheen_paper_fit *f, sheen_samples *samples,
+                                const sheen_paper_options *options,
+                                int (*hidden)(void *self, size_t i_sample, const float l_world[3]),
+                                void *hidden_self, sheen_err *err)
+{
+    const size_t n = f->combined.n_assigned,
+                 max_samples = options->max_samples ? options->max_samples : 30000;
+    float *node_world = malloc((3 * n + 1) * sizeof *node_world),
+          *radiance0 = malloc((n + 1) * sizeof *radiance0);
+    sheen_status s = SHEEN_OK;
+    free(f->nodes);
+    f->nodes = malloc((n + 1) * sizeof *f->nodes);
+    sheen_refine_result_release(&f->refined);
+    if (!node_world || !radiance0 || !f->nodes) {
+        s = sheen_fail_memory(err, 20.0 * (double)n, "light nodes");
+        goto done;
+    }
+    const size_t n_nodes = list_nodes(f, node_world, radiance0);
+    f->sigma0_rad = options->sigma0_rad;
+    if (!(f->sigma0_rad > 0))
+        f->sigma0_rad = sheen_start_sigma(&f->combined, &f->geodesic);
+    if ((s = sheen_samples_take(samples, f->residuals, f->n_views, (float)f->threshold_lin, max_samples,
+                                err)))
+        goto done;
+    f->n_samples = samples->count;
+    const sheen_refine_options o = {.sigma0_rad = f->sigma0_rad,
+                                    .loss = options->loss,
+                                    .hidden = hidden,
+                                    .hidden_self = hidden_self,
+                                    .n_threads = options->n_threads,
+                                    .progress = options->progress};
+    s = sheen_refine(&f->refined, samples, node_world, radiance0, n_nodes,
+                     sheen_geodesic_solid_angle_sr(&f->geodesic), &o, err);
+    if (!s)
+        s = set_lights(f, err);
+
+done:
+    free(node_world);
+    free(radiance0);
+    return s;
+}
+
+// Section 4.3.
+static sheen_status estimate_lights(run *r, sheen_err *err)
+{
+    sheen_samples samples = {0};
+    const sheen_status s = sheen_paper_lights(r->f, &samples, &r->o, NULL, NULL, err);
+    sheen_samples_release(&samples);
+    sheen_progress_timed(&r->o.progress, "lights and roughness", &r->watch);
+    return s;
+}
+
 static sheen_status make(run *r, const sheen_scene *scene, sheen_err *err)
 {
     sheen_status s;
-    if ((s = see(r, scene, err)) || (s = make_texture(r, scene, err)) || (s = make_hemisphere(r, err)) ||
-        (s = refine(r, err)))
+    snprintf(r->f->model.method, sizeof r->f->model.method, "paper");
+    if ((s = see(r, scene, err)) || (s = make_texture(r, scene, err)) || (s = make_hemisphere(r, err)))
         return s;
-    return set_model(r, err);
+    return estimate_lights(r, err);
 }
 
 sheen_status sheen_paper_fit_make(sheen_paper_fit *out, const sheen_mesh *mesh, const sheen_photos *photos,

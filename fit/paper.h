@@ -6,6 +6,7 @@
 #include "fit/hemisphere.h"
 #include "fit/photos.h"
 #include "fit/refine.h"
+#include "fit/samples.h"
 #include "render/model.h"
 
 typedef struct sheen_paper_options {
@@ -39,5 +40,12 @@ typedef struct sheen_paper_fit {
 sheen_status sheen_paper_fit_make(sheen_paper_fit *out, const sheen_mesh *mesh, const sheen_photos *photos,
                                   const sheen_paper_options *options, sheen_err *err);
 void sheen_paper_fit_release(sheen_paper_fit *f);
+
+// Section 4.3 alone, from f's residuals and combined hemisphere: takes samples (caller releases; they are there while `hidden`
+// is asked), refines, and makes the lit nodes the model's lights. hidden: see refine.h; may be NULL.
+sheen_status sheen_paper_lights(sheen_paper_fit *f, sheen_samples *samples,
+                                const sheen_paper_options *options,
+                                int (*hidden)(void *self, size_t i_sample, const float l_world[3]),
+                                void *hidden_self, sheen_err *err);
 
 #endif

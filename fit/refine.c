@@ -51,6 +51,8 @@ static sheen_status use_sigma(state *st, double sigma_rad, sheen_err *err)
                                                        wanted, st->o.n_threads, err);
         if (s)
             return s;
+        if (st->o.hidden)
+            sheen_light_matrix_hide(&st->m, st->node_world, st->o.hidden, st->o.hidden_self, st->o.n_threads);
     }
     sheen_light_matrix_set_sigma(&st->m, sigma_rad, st->o.n_threads);
     return SHEEN_OK;

@@ -14,6 +14,9 @@ typedef struct sheen_refine_options {
     int max_turns;          // 0: 100
     double sigma_err_floor; // smallest scale of the M-estimator, in light; 0: 0.0015
     sheen_loss loss;
+    // Does the mesh hide a light from a sample? NULL: nothing is hidden (the paper). Called from several threads.
+    int (*hidden)(void *self, size_t i_sample, const float l_world[3]);
+    void *hidden_self;
     int n_threads;
     sheen_progress progress;
 } sheen_refine_options;

@@ -53,7 +53,7 @@ static bool make_pixel(sheen_residual_pixel *out, const residual_view *view, int
     if (h->triangle == SHEEN_NO_HIT || least_views(view->texture, h) < 2)
         return false;
     float n_obj[3], v_obj[3], diffuse[3];
-    sheen_hit_surface(view->mesh, h, g->p_camera_obj, NULL, n_obj, v_obj);
+    sheen_hit_surface(view->mesh, h, g->p_camera_obj, out->p_obj, n_obj, v_obj);
     const float cosine = sheen_dotf(n_obj, v_obj);
     out->x_px = x + g->x0_px;
     out->y_px = y + g->y0_px;

@@ -13,6 +13,7 @@
 typedef struct sheen_residual_pixel {
     float rgb[3];                 // linear, may be negative
     float n_world[3], v_world[3]; // unit normal, unit direction to the camera
+    float p_obj[3];
     int x_px, y_px;
 } sheen_residual_pixel;
 

@@ -8,6 +8,8 @@
 
 typedef struct sheen_samples {
     float *n_world, *v_world; // [count][3] unit normal, unit direction to the camera
+    float *p_obj;             // [count][3] where on the object
+    size_t *view;             // [count] which photograph
     float *intensity;         // [count] Y of the residual, linear: I_v of eq. (8)
     size_t count;
 } sheen_samples;

@@ -16,6 +16,7 @@
 #include "base/pose3.h"
 #include "base/vec.h"
 #include "render/gbuffer.h"
+#include "render/shade.h"
 
 #define MIN_FACING 0.01f
 
@@ -74,13 +75,12 @@ typedef struct job {
     const sheen_gbuffer *g;
     const sheen_draw_options *options;
     sheen_layers *out;
-    float R_world_obj[3][3];
-    float specular_rgb[3]; // k_S times the lights' colour
+    sheen_shading shading;
 } job;
 
 // Sums over a pixel's samples.
 typedef struct sums {
-    float diffuse[3], specular, coverage, holes;
+    float diffuse[3], specular[3], coverage, holes;
 } sums;
 
 static bool seen_from_behind(const sheen_mesh *mesh, uint32_t triangle, const float v_obj[3])
@@ -94,36 +94,29 @@ static bool seen_from_behind(const sheen_mesh *mesh, uint32_t triangle, const fl
     return sheen_dotf(n, v_obj) < 0;
 }
 
-static void rotate(float out[3], const float R[3][3], const float a[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = sheen_dotf(R[i], a);
-}
-
-// Eq. (7) without k_S.
-static float specular_at(const job *j, const sheen_hit *hit)
+static void add_specular(float sum[3], const job *j, const sheen_hit *hit)
 {
     const sheen_mesh *mesh = &j->drawing->model->mesh;
-    float n_obj[3], v_obj[3], n_world[3], v_world[3];
-    sheen_hit_surface(mesh, hit, j->g->p_camera_obj, NULL, n_obj, v_obj);
+    float p_obj[3], n_obj[3], v_obj[3], rgb[3];
+    sheen_hit_surface(mesh, hit, j->g->p_camera_obj, p_obj, n_obj, v_obj);
     const float facing = sheen_dotf(n_obj, v_obj);
     if (facing < MIN_FACING) {
         if (seen_from_behind(mesh, hit->triangle, v_obj))
-            return 0;
+            return;
         // The nearest direction to n whose cosine with v is MIN_FACING: its part across v stays, its length
         // is made up.
         float across[3];
         for (int k = 0; k < 3; k++)
             across[k] = n_obj[k] - facing * v_obj[k];
         if (!(sheen_normalizef(across) > 0))
-            return 0;
+            return;
         const float side = sqrtf(1 - MIN_FACING * MIN_FACING);
         for (int k = 0; k < 3; k++)
             n_obj[k] = side * across[k] + MIN_FACING * v_obj[k];
     }
-    rotate(n_world, j->R_world_obj, n_obj);
-    rotate(v_world, j->R_world_obj, v_obj);
-    return sheen_light_cells_sum(j->drawing->cells, n_world, v_world);
+    sheen_shade(rgb, &j->shading, p_obj, n_obj, v_obj);
+    for (int c = 0; c < 3; c++)
+        sum[c] += rgb[c];
 }
 
 static void add_sample(sums *s, const job *j, const sheen_hit *hit)
@@ -139,7 +132,7 @@ static void add_sample(sums *s, const job *j, const sheen_hit *hit)
     }
     for (int c = 0; c < 3; c++)
         s->diffuse[c] += rgb[c];
-    s->specular += specular_at(j, hit);
+    add_specular(s->specular, j, hit);
 }
 
 static void draw_rows(void *self, size_t begin, size_t end)
@@ -165,7 +158,7 @@ static void draw_rows(void *self, size_t begin, size_t end)
             const float coverage = s.coverage * share;
             for (int c = 0; c < 3; c++) {
                 diffuse[c] = s.diffuse[c] * share;
-                specular[c] = s.specular * share * j->specular_rgb[c];
+                specular[c] = s.specular[c] * share;
                 composite[c] = diffuse[c] + specular[c] + (1 - coverage) * j->options->background_rgb[c];
             }
             *sheen_image_at(&j->out->coverage, at_x, at_y) = coverage;
@@ -194,17 +187,6 @@ static sheen_status make_layers(sheen_layers *out, const sheen_camera *cam, cons
     return SHEEN_OK;
 }
 
-static void set_light(job *j, const double rt_world_obj[6])
-{
-    sheen_Rt Rt_world_obj;
-    sheen_Rt_from_rt(&Rt_world_obj, rt_world_obj);
-    for (int i = 0; i < 3; i++) {
-        for (int k = 0; k < 3; k++)
-            j->R_world_obj[i][k] = (float)Rt_world_obj.R[i][k];
-        j->specular_rgb[i] = (float)(j->drawing->model->k_s * j->drawing->model->light_rgb[i]);
-    }
-}
-
 sheen_status sheen_draw(sheen_layers *out, const sheen_drawing *d, const sheen_camera *cam,
                         const double rt_cam_obj[6], const double *rt_world_obj,
                         const sheen_draw_options *options, sheen_err *err)
@@ -226,7 +208,7 @@ sheen_status sheen_draw(sheen_layers *out, const sheen_drawing *d, const sheen_c
     s = make_layers(out, cam, o->background_rgb, err);
     if (!s) {
         job j = {.drawing = d, .g = &g, .options = o, .out = out};
-        set_light(&j, rt_world_obj);
+        sheen_shading_init(&j.shading, d->model, d->scene, d->cells, rt_world_obj);
         sheen_parallel_for((size_t)g.height_px, 4, o->n_threads, draw_rows, &j);
     } else {
         sheen_layers_release(out);

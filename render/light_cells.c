@@ -256,17 +256,26 @@ void sheen_light_cells_free(sheen_light_cells **cells)
     *cells = NULL;
 }
 
-float sheen_light_cells_sum(const sheen_light_cells *cells, const float n[3], const float v[3])
+void sheen_light_cells_near(sheen_lights *near, const sheen_light_cells *cells, const float n[3],
+                            const float v[3])
 {
+    *near = cells->lists;
     if (!cells->side)
-        return sheen_lobe_sum(&cells->lists, n, v, cells->sigma_rad);
+        return;
     float r[3];
     sheen_mirrorf(r, n, v);
     const size_t cell = cell_of(cells->side, r);
     const uint32_t begin = cells->start[cell], end = cells->start[cell + 1];
-    if (begin == end)
-        return 0;
-    const sheen_lights *l = &cells->lists;
-    const sheen_lights near = {l->dx + begin, l->dy + begin, l->dz + begin, l->weight + begin, end - begin};
-    return sheen_lobe_sum(&near, n, v, cells->sigma_rad);
+    near->dx += begin;
+    near->dy += begin;
+    near->dz += begin;
+    near->weight += begin;
+    near->count = end - begin;
+}
+
+float sheen_light_cells_sum(const sheen_light_cells *cells, const float n[3], const float v[3])
+{
+    sheen_lights near;
+    sheen_light_cells_near(&near, cells, n, v);
+    return near.count ? sheen_lobe_sum(&near, n, v, cells->sigma_rad) : 0;
 }

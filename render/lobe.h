@@ -58,6 +58,9 @@ sheen_status sheen_light_cells_new(sheen_light_cells **out, const sheen_lights *
                                    sheen_err *err);
 void sheen_light_cells_free(sheen_light_cells **cells);
 float sheen_light_cells_sum(const sheen_light_cells *cells, const float n[3], const float v[3]);
+// The lights that the sum goes over for this normal and view: a superset of those in reach, lent. Some may have no weight.
+void sheen_light_cells_near(sheen_lights *near, const sheen_light_cells *cells, const float n[3],
+                            const float v[3]);
 
 #ifdef __cplusplus
 }

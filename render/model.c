@@ -23,6 +23,7 @@ void sheen_model_release(sheen_model *m)
 {
     sheen_mesh_release(&m->mesh);
     sheen_texture_release(&m->texture);
+    sheen_surroundings_release(&m->surroundings);
     sheen_model_set_lights(m, 0, NULL);
     sheen_model_init(m);
 }
@@ -106,7 +107,8 @@ sheen_status sheen_model_check(const sheen_model *m, sheen_status code, sheen_er
     for (int c = 0; c < 3; c++)
         if (!(m->light_rgb[c] >= 0 && m->light_rgb[c] <= 1e6))
             return sheen_fail(err, code, "the lights' colour 'light_rgb' is out of range");
-    return check_lights(m, code, err);
+    const sheen_status s = sheen_model_check_surroundings(&m->surroundings, code, err);
+    return s ? s : check_lights(m, code, err);
 }
 
 static void write_lights(sheen_json_writer *w, const sheen_model *m)
@@ -206,6 +208,11 @@ sheen_status sheen_model_save(const sheen_model *m, const sheen_session *s, cons
     sheen_json_put_numbers(&w, "rt_world_obj", m->rt_world_obj, 6);
     write_lights(&w, m);
     write_surface(&w, m, mesh_file, mesh_digest);
+    status = sheen_model_write_surroundings(&w, m, dir, err);
+    if (status) {
+        sheen_json_writer_release(&w);
+        return status;
+    }
     if (extra)
         extra(self, &w);
     sheen_json_close(&w);

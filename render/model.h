@@ -9,6 +9,7 @@
 #include "base/mesh.h"
 #include "base/session.h"
 #include "render/lobe.h"
+#include "render/surroundings.h"
 #include "render/texture.h"
 
 #ifdef __cplusplus
@@ -28,7 +29,9 @@ typedef struct sheen_model {
     float *radiance;        // [lights.count] L_l
     sheen_lights lights;    // directions in world; weight = (2 pi / N_L) L_l
     double k_s, sigma_rad;
-    double light_rgb[3]; // average light colour, Y = 1: the specular layer is I_S times this
+    int shadows;                     // 1: the mesh hides lights from its own surface (beyond the paper)
+    sheen_surroundings surroundings; // what is mirrored besides the lights (beyond the paper)
+    double light_rgb[3];             // average light colour, Y = 1: the specular layer is I_S times this
 } sheen_model;
 
 void sheen_model_init(sheen_model *m);

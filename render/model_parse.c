@@ -122,6 +122,8 @@ static sheen_status parse_root(sheen_model *m, const sheen_json *root, size_t *n
     if (!s)
         s = parse_texture(root, n_triangles, texels_per_edge, err);
     if (!s)
+        s = sheen_model_parse_surroundings(m, root, err);
+    if (!s)
         s = sheen_model_check(m, SHEEN_EFORMAT, err);
     return s;
 }
@@ -212,6 +214,8 @@ static sheen_status load_parts(sheen_model *m, const sheen_session *s, const cha
                             n_triangles, m->mesh.n_triangles);
     if (!status)
         status = load_texture(m, dir, root, n_triangles, texels_per_edge, err);
+    if (!status)
+        status = sheen_model_load_surroundings(m, dir, root, err);
     return status;
 }
 

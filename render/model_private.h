@@ -13,6 +13,14 @@ enum { SHEEN_MODEL_VERSION = 1 };
 // Every number of a model that is not the mesh's or the texture's. Fails with `code`.
 sheen_status sheen_model_check(const sheen_model *m, sheen_status code, sheen_err *err);
 
+// The members beyond the paper (model_surroundings.c): checked, written with board.exr beside, parsed, and the picture read.
+sheen_status sheen_model_check_surroundings(const sheen_surroundings *e, sheen_status code, sheen_err *err);
+sheen_status sheen_model_write_surroundings(sheen_json_writer *w, const sheen_model *m, const char *dir,
+                                            sheen_err *err);
+sheen_status sheen_model_parse_surroundings(sheen_model *m, const sheen_json *root, sheen_err *err);
+sheen_status sheen_model_load_surroundings(sheen_model *m, const char *dir, const sheen_json *root,
+                                           sheen_err *err);
+
 // Nodes of the geodesic hemisphere of a frequency.
 size_t sheen_model_hemisphere_size(int frequency);
 

@@ -33,8 +33,9 @@ static void add(sheen_samples *s, const float n[3], const float v[3], double int
 void lit_sphere_samples(sheen_samples *out, const lit_sphere *scene, double threshold, uint64_t seed)
 {
     const size_t most = (size_t)scene->n_views * RINGS * 2 * RINGS;
-    *out = (sheen_samples){malloc(3 * most * sizeof(float)), malloc(3 * most * sizeof(float)),
-                           malloc(most * sizeof(float)), 0};
+    *out = (sheen_samples){.n_world = malloc(3 * most * sizeof(float)),
+                           .v_world = malloc(3 * most * sizeof(float)),
+                           .intensity = malloc(most * sizeof(float))};
     assert_non_null(out->n_world);
     assert_non_null(out->v_world);
     assert_non_null(out->intensity);

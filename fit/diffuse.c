@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+// diffuse.c - alternating least squares for ambient light, F0 and the diffuse colour.
+#include "fit/diffuse.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/parallel.h"
+#include "calib/cholesky.h"
+
+enum { MAX_VIEWS = SHEEN_REFINED_MAX_VIEWS, TERMS = SHEEN_AMBIENT_TERMS };
+
+static const double noise_lin = 0.01;    // of a photograph's sample, resampling included
+static const double lights_doubt = 0.15; // share by which a predicted highlight may be wrong
+static const double outlier_lin = 0.02;  // scale of the robust weights
+
+// One texel in one view.
+typedef struct sample {
+    double observed[3];  // I - S
+    double mirrored[3];  // M without the room
+    double basis[TERMS]; // of the room, 0 where the mirror direction does not lead there
+    double schlick;      // (1 - cos)^5
+    double weight;
+} sample;
+
+static size_t gather(sample out[MAX_VIEWS], const sheen_texel_view *views, const sheen_view_light *lights,
+                     size_t n_views, size_t texel)
+{
+    size_t n = 0;
+    for (size_t v = 0; v < n_views && n < MAX_VIEWS; v++) {
+        if (!views[v].seen[texel])
+            continue;
+        sample *s = &out[n++];
+        const sheen_view_light *l = &lights[v];
+        const float *above = l->above_world + 3 * texel;
+        for (size_t c = 0; c < 3; c++) {
+            s->observed[c] = (double)views[v].rgb[3 * texel + c] - (double)l->lights_rgb[3 * texel + c];
+            s->mirrored[c] = (double)l->mirrored_rgb[3 * texel + c];
+        }
+        memset(s->basis, 0, sizeof s->basis);
+        if (above[2] > 0)
+            sheen_ambient_basis(s->basis, above);
+        s->schlick = pow(1 - (double)l->cosine[texel], 5);
+        const double doubt = lights_doubt * (double)sheen_luminance(l->lights_rgb + 3 * texel);
+        s->weight = (double)l->cosine[texel] / (noise_lin * noise_lin + doubt * doubt) * noise_lin *
+                    noise_lin;
+    }
+    return n;
+}
+
+static double room(const sample *s, const sheen_surroundings *e, int c)
+{
+    double sum = 0;
+    for (int k = 0; k < TERMS; k++)
+        sum += s->basis[k] * e->ambient_rgb[k][c];
+    return sum > 0 ? sum : 0;
+}
+
+static double fresnel(const sample *s, const sheen_surroundings *e)
+{
+    return e->f0 + (1 - e->f0) * s->schlick;
+}
+
+// I - S - F M.
+static void diffuse_of(double d[3], const sample *s, const sheen_surroundings *e)
+{
+    const double F = fresnel(s, e);
+    for (int c = 0; c < 3; c++)
+        d[c] = s->observed[c] - F * (s->mirrored[c] + room(s, e, c));
+}
+
+static double luminance(const double rgb[3])
+{
+    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+}
+
+// Weights with the Lorentzian's: each sample against the weighted mean of the others' diffuse colours.
+static void reweight(double w[MAX_VIEWS], double mean[3], const sample *s, size_t n,
+                     const sheen_surroundings *e, int rounds)
+{
+    double d[MAX_VIEWS][3];
+    for (size_t i = 0; i < n; i++) {
+        diffuse_of(d[i], &s[i], e);
+        w[i] = s[i].weight;
+    }
+    for (int round = 0;; round++) {
+        double total = 0;
+        mean[0] = mean[1] = mean[2] = 0;
+        for (size_t i = 0; i < n; i++) {
+            total += w[i];
+            for (int c = 0; c < 3; c++)
+                mean[c] += w[i] * d[i][c];
+        }
+        for (int c = 0; c < 3; c++)
+            mean[c] /= total;
+        if (round == rounds)
+            return;
+        for (size_t i = 0; i < n; i++) {
+            const double z = (luminance(d[i]) - luminance(mean)) / outlier_lin;
+            w[i] = s[i].weight / (1 + 0.5 * z * z);
+        }
+    }
+}
+
+typedef struct normal_equations {
+    double A[TERMS * TERMS], b[3][TERMS]; // of the ambient terms
+    double f0_above, f0_below;
+} normal_equations;
+
+// Ambient terms: y = I - S - F M = D + F basis.a; D falls out with the weighted means.
+static void add_ambient(normal_equations *q, const sample *s, const double *w, size_t n,
+                        const sheen_surroundings *e)
+{
+    double mean_x[TERMS] = {0}, mean_y[3] = {0, 0, 0}, total = 0;
+    for (size_t i = 0; i < n; i++) {
+        const double F = fresnel(&s[i], e);
+        total += w[i];
+        for (int k = 0; k < TERMS; k++)
+            mean_x[k] += w[i] * F * s[i].basis[k];
+        for (int c = 0; c < 3; c++)
+            mean_y[c] += w[i] * (s[i].observed[c] - F * s[i].mirrored[c]);
+    }
+    for (size_t i = 0; i < n; i++) {
+        const double F = fresnel(&s[i], e);
+        double x[TERMS];
+        for (int k = 0; k < TERMS; k++)
+            x[k] = F * s[i].basis[k] - mean_x[k] / total;
+        for (int k = 0; k < TERMS; k++) {
+            for (int m = 0; m <= k; m++)
+                q->A[k * TERMS + m] += w[i] * x[k] * x[m];
+            for (int c = 0; c < 3; c++)
+                q->b[c][k] += w[i] * x[k] * (s[i].observed[c] - F * s[i].mirrored[c] - mean_y[c] / total);
+        }
+    }
+}
+
+// F0: y = I - S - schlick M = D + F0 (1 - schlick) M, with M the whole of it.
+static void add_f0(normal_equations *q, const sample *s, const double *w, size_t n,
+                   const sheen_surroundings *e)
+{
+    for (int c = 0; c < 3; c++) {
+        double mean_x = 0, mean_y = 0, total = 0;
+        for (size_t i = 0; i < n; i++) {
+            const double M = s[i].mirrored[c] + room(&s[i], e, c);
+            total += w[i];
+            mean_x += w[i] * (1 - s[i].schlick) * M;
+            mean_y += w[i] * (s[i].observed[c] - s[i].schlick * M);
+        }
+        for (size_t i = 0; i < n; i++) {
+            const double M = s[i].mirrored[c] + room(&s[i], e, c);
+            const double x = (1 - s[i].schlick) * M - mean_x / total;
+            q->f0_above += w[i] * x * (s[i].observed[c] - s[i].schlick * M - mean_y / total);
+            q->f0_below += w[i] * x * x;
+        }
+    }
+}
+
+static void solve(sheen_surroundings *e, normal_equations *q)
+{
+    double trace = 0;
+    for (int k = 0; k < TERMS; k++)
+        trace += q->A[k * TERMS + k];
+    for (int k = 0; k < TERMS; k++) // little is known of directions that are mirrored seldom: towards 0
+        q->A[k * TERMS + k] += 1e-3 * trace / TERMS + 1e-12;
+    if (!sheen_cholesky(q->A, TERMS))
+        return;
+    for (int c = 0; c < 3; c++) {
+        sheen_cholesky_solve(q->b[c], q->A, TERMS);
+        for (int k = 0; k < TERMS; k++)
+            e->ambient_rgb[k][c] = q->b[c][k];
+    }
+}
+
+void sheen_surroundings_fit(sheen_surroundings *surroundings, const sheen_texel_view *views,
+                            const sheen_view_light *lights, size_t n_views)
+{
+    const size_t n_texels = n_views ? views[0].n_texels : 0, step = 1 + n_texels / 60000;
+    for (int round = 0; round < 8; round++) {
+        normal_equations q = {0};
+        for (size_t t = 0; t < n_texels; t += step) {
+            sample s[MAX_VIEWS];
+            double w[MAX_VIEWS], mean[3];
+            const size_t n = gather(s, views, lights, n_views, t);
+            if (n < 2)
+                continue;
+            reweight(w, mean, s, n, surroundings, 2);
+            if (round % 2)
+                add_f0(&q, s, w, n, surroundings);
+            else
+                add_ambient(&q, s, w, n, surroundings);
+        }
+        if (round % 2 == 0)
+            solve(surroundings, &q);
+        else if (q.f0_below > 0)
+            surroundings->f0 = fmin(1, fmax(0, q.f0_above / q.f0_below));
+    }
+}
+
+typedef struct job {
+    sheen_texture *texture;
+    const sheen_surroundings *surroundings;
+    const sheen_texel_view *views;
+    const sheen_view_light *lights;
+    size_t n_views;
+} job;
+
+static void fit_texels(void *self, size_t begin, size_t end)
+{
+    const job *j = self;
+    for (size_t t = begin; t < end; t++) {
+        sample s[MAX_VIEWS];
+        double w[MAX_VIEWS], mean[3];
+        const size_t n = gather(s, j->views, j->lights, j->n_views, t);
+        if (!n)
+            continue;
+        reweight(w, mean, s, n, j->surroundings, 5);
+        for (size_t c = 0; c < 3; c++)
+            j->texture->rgb[3 * t + c] = mean[c] > 0 ? (float)mean[c] : 0;
+    }
+}
+
+void sheen_diffuse_fit(sheen_texture *texture, const sheen_surroundings *surroundings,
+                       const sheen_texel_view *views, const sheen_view_light *lights, size_t n_views,
+                       int n_threads)
+{
+    job j = {texture, surroundings, views, lights, n_views};
+    sheen_parallel_for(n_views ? views[0].n_texels : 0, 4096, n_threads, fit_texels, &j);
+}

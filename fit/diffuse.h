@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// diffuse.h - texture and surroundings from photographs whose lights are accounted for.
+//
+// A texel's photographs obey I_v = D + S_v + F_v M_v: D the same in all of them, S_v the lights' specular part, M_v what
+// is mirrored there, F_v Schlick's term. view_light.h predicts S_v and M_v.
+#ifndef SHEEN_FIT_DIFFUSE_H
+#define SHEEN_FIT_DIFFUSE_H
+
+#include "fit/view_light.h"
+
+// Photographs that a texel is estimated from at most.
+enum { SHEEN_REFINED_MAX_VIEWS = 64 };
+
+// Finds F0 and the ambient light of `surroundings` (its board is given), by least squares over differences between
+// the photographs of each texel, in which D falls out; a few reweighted rounds against outliers. Every k-th texel of those that
+// two photographs or more see. views, lights: [n_views].
+void sheen_surroundings_fit(sheen_surroundings *surroundings, const sheen_texel_view *views,
+                            const sheen_view_light *lights, size_t n_views);
+
+// D of every texel: the robust mean of I_v - S_v - F_v M_v, in which a view counts less where it is seen at a slant and where
+// much was taken off it. Texels that no view sees stay unseen. texture: of the same lattice; n_views in it is kept.
+void sheen_diffuse_fit(sheen_texture *texture, const sheen_surroundings *surroundings,
+                       const sheen_texel_view *views, const sheen_view_light *lights, size_t n_views,
+                       int n_threads);
+
+#endif

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+// shade.c - eq. (7) with cast shadows, and one mirrored ray.
+//
+// Most points are lit by nothing: the plain sum over the lights in reach is taken first, and only where it matters is
+// each of them asked whether the mesh hides it.
+#include "render/shade.h"
+
+#include <math.h>
+
+#include "base/pose3.h"
+
+// Terms below this light are not worth a shadow ray.
+static const float negligible_lin = 2e-4f;
+
+void sheen_shading_init(sheen_shading *s, const sheen_model *model, const sheen_scene *scene,
+                        const sheen_light_cells *cells, const double rt_world_obj[6])
+{
+    sheen_Rt Rt;
+    float centre[3], radius_m;
+    sheen_Rt_from_rt(&Rt, rt_world_obj);
+    *s = (sheen_shading){.model = model, .scene = scene, .cells = cells};
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 3; k++)
+            s->R_world_obj[i][k] = (float)Rt.R[i][k];
+        s->t_world_obj[i] = (float)Rt.t[i];
+    }
+    sheen_mesh_sphere(&model->mesh, centre, &radius_m);
+    s->offset_m = 2e-3f * radius_m;
+}
+
+static void to_world(float out[3], const sheen_shading *s, const float v_obj[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = sheen_dotf(s->R_world_obj[i], v_obj);
+}
+
+static void to_obj(float out[3], const sheen_shading *s, const float v_world[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = s->R_world_obj[0][i] * v_world[0] + s->R_world_obj[1][i] * v_world[1] +
+                 s->R_world_obj[2][i] * v_world[2];
+}
+
+// The first hit of a ray that starts a little off the surface.
+static sheen_hit cast(const sheen_shading *s, const float p_obj[3], const float n_obj[3],
+                      const float v_obj[3])
+{
+    float from[3];
+    sheen_hit hit;
+    for (int i = 0; i < 3; i++)
+        from[i] = p_obj[i] + s->offset_m * n_obj[i];
+    sheen_scene_first_hits(s->scene, &hit, from, 1, v_obj, 1);
+    return hit;
+}
+
+int sheen_shade_hidden(const sheen_shading *s, const float p_obj[3], const float n_world[3],
+                       const float l_world[3])
+{
+    float n_obj[3], l_obj[3];
+    to_obj(n_obj, s, n_world);
+    to_obj(l_obj, s, l_world);
+    return cast(s, p_obj, n_obj, l_obj).triangle != SHEEN_NO_HIT;
+}
+
+// The sum over the lights in reach that the mesh does not hide.
+static float shadowed_sum(const sheen_shading *s, const float p_obj[3], const float n_obj[3],
+                          const float n[3], const float v[3])
+{
+    sheen_lights near;
+    sheen_light_cells_near(&near, s->cells, n, v);
+    const float k_s = (float)s->model->k_s, sigma = (float)s->model->sigma_rad;
+    const float factor = -0.5f / (sigma * sigma);
+    float sum = 0;
+    for (size_t i = 0; i < near.count; i++) {
+        const float l[3] = {near.dx[i], near.dy[i], near.dz[i]};
+        const float a2 = sheen_lobe_alpha2(n, v, l);
+        if (!(a2 < 25 * sigma * sigma))
+            continue;
+        const float term = near.weight[i] * expf(a2 * factor);
+        if (!(term * k_s > negligible_lin))
+            continue;
+        float l_obj[3];
+        to_obj(l_obj, s, l);
+        if (cast(s, p_obj, n_obj, l_obj).triangle == SHEEN_NO_HIT)
+            sum += term;
+    }
+    return sum * sheen_lobe_inverse_cos(n, v);
+}
+
+void sheen_shade_lights(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
+                        const float v_obj[3])
+{
+    float n[3], v[3];
+    to_world(n, s, n_obj);
+    to_world(v, s, v_obj);
+    const float k_s = (float)s->model->k_s;
+    float sum = sheen_light_cells_sum(s->cells, n, v);
+    if (s->model->shadows && sum * k_s > negligible_lin)
+        sum = shadowed_sum(s, p_obj, n_obj, n, v);
+    for (int c = 0; c < 3; c++)
+        rgb[c] = sum * k_s * (float)s->model->light_rgb[c];
+}
+
+void sheen_shade_split(float rgb[3], float above_world[3], const sheen_shading *s, const float p_obj[3],
+                       const float n_obj[3], const float v_obj[3])
+{
+    float r_obj[3], r_world[3], p_world[3];
+    rgb[0] = rgb[1] = rgb[2] = above_world[0] = above_world[1] = above_world[2] = 0;
+    sheen_mirrorf(r_obj, n_obj, v_obj);
+    const sheen_hit hit = cast(s, p_obj, n_obj, r_obj);
+    if (hit.triangle != SHEEN_NO_HIT) {
+        sheen_texture_sample(&s->model->texture, &hit, rgb);
+        return;
+    }
+    to_world(r_world, s, r_obj);
+    if (r_world[2] >= 0) {
+        for (int i = 0; i < 3; i++)
+            above_world[i] = r_world[i];
+        return;
+    }
+    to_world(p_world, s, p_obj);
+    for (int i = 0; i < 3; i++)
+        p_world[i] += s->t_world_obj[i];
+    sheen_surroundings_radiance(rgb, &s->model->surroundings, p_world, r_world);
+}
+
+void sheen_shade_mirrored(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
+                          const float v_obj[3])
+{
+    float above_world[3];
+    rgb[0] = rgb[1] = rgb[2] = 0;
+    if (!s->model->surroundings.present)
+        return;
+    sheen_shade_split(rgb, above_world, s, p_obj, n_obj, v_obj);
+    if (above_world[2] > 0)
+        sheen_surroundings_radiance(rgb, &s->model->surroundings, p_obj, above_world);
+}
+
+void sheen_shade(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
+                 const float v_obj[3])
+{
+    float mirrored[3];
+    sheen_shade_lights(rgb, s, p_obj, n_obj, v_obj);
+    if (!s->model->surroundings.present)
+        return;
+    sheen_shade_mirrored(mirrored, s, p_obj, n_obj, v_obj);
+    const float F = sheen_fresnel(s->model->surroundings.f0, sheen_dotf(n_obj, v_obj));
+    for (int c = 0; c < 3; c++)
+        rgb[c] += F * mirrored[c];
+}

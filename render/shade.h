@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// shade.h - the view-dependent light of a surface point: lobe of the lights, shadowed, and what it mirrors.
+//
+// The one forward model of the specular part: draw calls it for pixels, fit for texels.
+#ifndef SHEEN_RENDER_SHADE_H
+#define SHEEN_RENDER_SHADE_H
+
+#include "render/model.h"
+#include "render/scene.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct sheen_shading {
+    const sheen_model *model;       // k_S, sigma, lights, surroundings, texture; lent
+    const sheen_scene *scene;       // of the model's mesh
+    const sheen_light_cells *cells; // of the model's lights at its sigma
+    float R_world_obj[3][3], t_world_obj[3];
+    float offset_m; // by which secondary rays start off the surface
+} sheen_shading;
+
+void sheen_shading_init(sheen_shading *s, const sheen_model *model, const sheen_scene *scene,
+                        const sheen_light_cells *cells, const double rt_world_obj[6]);
+
+// Specular light by eq. (7) (times k_S and the lights' colour), each light shadowed by the mesh where the model says so.
+void sheen_shade_lights(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
+                        const float v_obj[3]);
+// 1 where the mesh hides the light in direction l_world from the point. n_world: its normal.
+int sheen_shade_hidden(const sheen_shading *s, const float p_obj[3], const float n_world[3],
+                       const float l_world[3]);
+// Radiance in the mirror direction, without F: the object's own texture where it stands in the way, else the
+// surroundings. Black where the model has none.
+void sheen_shade_mirrored(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
+                          const float v_obj[3]);
+// The same taken apart: rgb where the mirror direction meets the object or the plane, and black where it leads up and out;
+// then above_world is that direction, else 0.
+void sheen_shade_split(float rgb[3], float above_world[3], const sheen_shading *s, const float p_obj[3],
+                       const float n_obj[3], const float v_obj[3]);
+// Both, the second times F.
+void sheen_shade(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
+                 const float v_obj[3]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// surroundings.c - looks up board and room in a mirror direction.
+#include "render/surroundings.h"
+
+#include <math.h>
+#include <string.h>
+
+void sheen_surroundings_release(sheen_surroundings *s)
+{
+    sheen_image_release(&s->board);
+    *s = (sheen_surroundings){0};
+}
+
+float sheen_fresnel(double f0, float cosine)
+{
+    const float x = 1 - (cosine > 0 ? cosine < 1 ? cosine : 1 : 0), x2 = x * x;
+    return (float)f0 + (1 - (float)f0) * x2 * x2 * x;
+}
+
+void sheen_ambient_basis(double basis[SHEEN_AMBIENT_TERMS], const float v_world[3])
+{
+    const double x = (double)v_world[0], y = (double)v_world[1], z = (double)v_world[2];
+    basis[0] = 0.28209479177387814;
+    basis[1] = 0.48860251190291992 * y;
+    basis[2] = 0.48860251190291992 * z;
+    basis[3] = 0.48860251190291992 * x;
+    basis[4] = 1.0925484305920792 * x * y;
+    basis[5] = 1.0925484305920792 * y * z;
+    basis[6] = 0.31539156525252005 * (3 * z * z - 1);
+    basis[7] = 1.0925484305920792 * x * z;
+    basis[8] = 0.54627421529603959 * (x * x - y * y);
+}
+
+static void from_above(float rgb[3], const sheen_surroundings *s, const float r_world[3])
+{
+    double basis[SHEEN_AMBIENT_TERMS];
+    sheen_ambient_basis(basis, r_world);
+    for (int c = 0; c < 3; c++) {
+        double sum = 0;
+        for (int k = 0; k < SHEEN_AMBIENT_TERMS; k++)
+            sum += basis[k] * s->ambient_rgb[k][c];
+        rgb[c] = sum > 0 ? (float)sum : 0; // no light is negative
+    }
+}
+
+void sheen_surroundings_radiance(float rgb[3], const sheen_surroundings *s, const float p_world[3],
+                                 const float r_world[3])
+{
+    if (r_world[2] >= 0) {
+        from_above(rgb, s, r_world);
+        return;
+    }
+    const double t = -(double)p_world[2] / (double)r_world[2];
+    if (s->board.data && t > 0) {
+        const double x = (double)p_world[0] + t * (double)r_world[0],
+                     y = (double)p_world[1] + t * (double)r_world[1];
+        if (sheen_image_bilinear(rgb, &s->board, (x - s->board_x0_m) / s->board_pitch_m,
+                                 (y - s->board_y0_m) / s->board_pitch_m))
+            return;
+    }
+    for (int c = 0; c < 3; c++)
+        rgb[c] = (float)s->table_rgb[c];
+}
