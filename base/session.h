@@ -14,6 +14,7 @@
 #include "base/file.h"
 #include "base/image.h"
 #include "base/json.h"
+#include "base/pixel_format.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -54,6 +55,21 @@ typedef enum sheen_moving { SHEEN_MOVING_CAMERA, SHEEN_MOVING_OBJECT } sheen_mov
 const char *sheen_moving_name(sheen_moving m); // "camera", "object"
 sheen_status sheen_moving_from_name(sheen_moving *out, const char *name, sheen_err *err);
 
+// A setting of the camera as it was read back with a frame: V4L2's number of the control, and its value.
+typedef struct sheen_frame_control {
+    uint32_t id;
+    int32_t value;
+} sheen_frame_control;
+
+enum { SHEEN_FRAME_MAX_CONTROLS = 40 };
+
+// Whether the camera's automatics were off and its settings those of the session, as read back with the frame.
+typedef enum sheen_lock {
+    SHEEN_LOCK_UNKNOWN, // not a frame of a camera that we ran
+    SHEEN_LOCK_OFF,     // recorded without a lock, as asked for
+    SHEEN_LOCK_HELD
+} sheen_lock;
+
 // One frame's sidecar, frames/<name>.json.
 typedef struct sheen_frame_info {
     char name[64]; // unique in the session; [A-Za-z0-9._-], not beginning with a dot
@@ -68,6 +84,11 @@ typedef struct sheen_frame_info {
     double table_asked_deg, table_measured_deg; // NaN: no turntable
     char payload_digest[33];                    // XXH3-128
     char source[256];                           // where it came from: device URI or file name
+    char device[128];                           // camera, as it names itself, and its place; "": unknown
+    sheen_colorimetry color;                    // of a camera's frame, as the driver reports it
+    sheen_lock lock;
+    int n_controls;
+    sheen_frame_control controls[SHEEN_FRAME_MAX_CONTROLS];
 } sheen_frame_info;
 
 // Fills in "unknown" everywhere.

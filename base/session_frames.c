@@ -216,13 +216,12 @@ sheen_status sheen_session_raster(sheen_raster *out, const sheen_session *s, con
     *out = (sheen_raster){0};
     uint8_t *data;
     size_t size_bytes;
-    if (f->fourcc)
-        return sheen_fail(err, SHEEN_EUNSUP, "frame '%s' is raw camera data, which this build cannot develop",
-                          f->name);
     sheen_status st = sheen_session_payload(&data, &size_bytes, s, f, err);
     if (st)
         return st;
-    st = sheen_raster_parse(out, data, size_bytes, err);
+    const sheen_pixel_layout layout = {f->fourcc, f->width_px, f->height_px, f->stride_bytes, f->color};
+    st = f->fourcc ? sheen_pixels_develop(out, data, size_bytes, &layout, err)
+                   : sheen_raster_parse(out, data, size_bytes, err);
     free(data);
     if (st)
         return sheen_wrap(err, st, "cannot read frame '%s'", f->name);

@@ -135,6 +135,69 @@ static sheen_status parse_numbers(sheen_frame_info *f, const sheen_json *root, s
     return SHEEN_OK;
 }
 
+static const char *const lock_names[] = {NULL, "off", "held"};
+
+static sheen_status parse_lock(sheen_frame_info *f, const sheen_json *root, sheen_err *err)
+{
+    const char *name = sheen_json_value_string(sheen_json_get(root, "lock"), NULL);
+    for (int i = SHEEN_LOCK_OFF; name && i <= SHEEN_LOCK_HELD; i++)
+        if (!strcmp(name, lock_names[i]))
+            f->lock = (sheen_lock)i;
+    return name && !f->lock ? sheen_fail(err, SHEEN_EFORMAT, "'lock' is '%.20s', not 'held' or 'off'", name)
+                            : SHEEN_OK;
+}
+
+static sheen_status parse_color(sheen_colorimetry *c, const sheen_json *root, sheen_err *err)
+{
+    const struct {
+        const char *key;
+        uint32_t *value;
+    } members[] = {{"colorspace", &c->colorspace},
+                   {"xfer_func", &c->xfer_func},
+                   {"ycbcr_enc", &c->ycbcr_enc},
+                   {"quantization", &c->quantization}};
+    const sheen_json *color = sheen_json_get(root, "color");
+    for (size_t i = 0; color && i < sizeof members / sizeof *members; i++) {
+        int value = 0;
+        const sheen_status s = sheen_json_int(color, members[i].key, 0, 255, &value, err);
+        if (s)
+            return s;
+        *members[i].value = (uint32_t)value;
+    }
+    return SHEEN_OK;
+}
+
+// An array of [id, value] pairs.
+static sheen_status parse_controls(sheen_frame_info *f, const sheen_json *root, sheen_err *err)
+{
+    const sheen_json *controls = sheen_json_get(root, "controls");
+    const size_t n = sheen_json_count(controls);
+    if (n > SHEEN_FRAME_MAX_CONTROLS)
+        return sheen_fail(err, SHEEN_EFORMAT, "'controls' has %zu pairs, more than %d", n,
+                          SHEEN_FRAME_MAX_CONTROLS);
+    for (size_t i = 0; i < n; i++) {
+        const sheen_json *pair = sheen_json_at(controls, i);
+        const double id = sheen_json_value_number(sheen_json_at(pair, 0), -1);
+        const double value = sheen_json_value_number(sheen_json_at(pair, 1), (double)NAN);
+        if (!(id >= 0 && id <= UINT32_MAX && value >= INT32_MIN && value <= INT32_MAX) || floor(id) != id ||
+            floor(value) != value)
+            return sheen_fail(err, SHEEN_EFORMAT,
+                              "'controls' are not pairs of a control's number and its value");
+        f->controls[i] = (sheen_frame_control){(uint32_t)id, (int32_t)value};
+    }
+    f->n_controls = (int)n;
+    return SHEEN_OK;
+}
+
+static sheen_status parse_camera(sheen_frame_info *f, const sheen_json *root, sheen_err *err)
+{
+    snprintf(f->device, sizeof f->device, "%s", sheen_json_value_string(sheen_json_get(root, "device"), ""));
+    sheen_status s = parse_lock(f, root, err);
+    if (!s)
+        s = parse_color(&f->color, root, err);
+    return s ? s : parse_controls(f, root, err);
+}
+
 sheen_status sheen_frame_info_parse(sheen_frame_info *f, const void *data, size_t size_bytes, sheen_err *err)
 {
     char name[sizeof f->name];
@@ -151,8 +214,35 @@ sheen_status sheen_frame_info_parse(sheen_frame_info *f, const void *data, size_
         s = parse_numbers(f, root, err);
     if (!s)
         s = parse_fourcc(&f->fourcc, root, err);
+    if (!s)
+        s = parse_camera(f, root, err);
     sheen_json_free(&root);
     return s;
+}
+
+// What only a camera's frame has.
+static void write_camera(sheen_json_writer *w, const sheen_frame_info *f)
+{
+    if (f->device[0])
+        sheen_json_put_string(w, "device", f->device);
+    if (f->lock)
+        sheen_json_put_string(w, "lock", lock_names[f->lock]);
+    if (sheen_colorimetry_known(&f->color)) {
+        sheen_json_open(w, "color", '{');
+        sheen_json_put_int(w, "colorspace", f->color.colorspace);
+        sheen_json_put_int(w, "xfer_func", f->color.xfer_func);
+        sheen_json_put_int(w, "ycbcr_enc", f->color.ycbcr_enc);
+        sheen_json_put_int(w, "quantization", f->color.quantization);
+        sheen_json_close(w);
+    }
+    if (!f->n_controls)
+        return;
+    sheen_json_open(w, "controls", '[');
+    for (int i = 0; i < f->n_controls; i++) {
+        const double pair[2] = {f->controls[i].id, f->controls[i].value};
+        sheen_json_put_numbers(w, NULL, pair, 2);
+    }
+    sheen_json_close(w);
 }
 
 sheen_status sheen_frame_info_save(const sheen_frame_info *f, const char *path, sheen_err *err)
@@ -173,6 +263,7 @@ sheen_status sheen_frame_info_save(const sheen_frame_info *f, const char *path, 
     sheen_json_put_number(&w, "table_measured_deg", f->table_measured_deg);
     sheen_json_put_string(&w, "payload_digest", f->payload_digest);
     sheen_json_put_string(&w, "source", f->source);
+    write_camera(&w, f);
     sheen_json_close(&w);
     return sheen_json_save(&w, path, err);
 }

@@ -38,13 +38,16 @@ static sheen_status highlights_line(char line[LINE_MAX_BYTES], const sheen_sessi
 static sheen_status frame_line(char line[LINE_MAX_BYTES], const sheen_session *s, const sheen_frame_info *f,
                                sheen_err *err)
 {
-    char mask_digest[33], angle[40] = "-";
+    char mask_digest[33], angle[40] = "-", color[48] = "";
     const sheen_status st = mask_digest_of(mask_digest, s, SHEEN_SESSION_MASKS, f, err);
     if (isfinite(f->table_measured_deg))
         snprintf(angle, sizeof angle, "%.17g", f->table_measured_deg);
-    snprintf(line, LINE_MAX_BYTES, "%s %s %s %s %d %d %lu %d %s\n", f->name, f->payload_digest, mask_digest,
+    if (sheen_colorimetry_known(&f->color))
+        snprintf(color, sizeof color, " %u.%u.%u.%u", (unsigned)f->color.colorspace,
+                 (unsigned)f->color.xfer_func, (unsigned)f->color.ycbcr_enc, (unsigned)f->color.quantization);
+    snprintf(line, LINE_MAX_BYTES, "%s %s %s %s %d %d %lu %d %s%s\n", f->name, f->payload_digest, mask_digest,
              sheen_transfer_name(f->transfer), f->width_px, f->height_px, (unsigned long)f->fourcc,
-             f->stride_bytes, angle);
+             f->stride_bytes, angle, color);
     return st;
 }
 

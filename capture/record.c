@@ -5,7 +5,15 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { DEFAULT_TIMEOUT_MS = 10000 };
+// MAX_WAITING: frames that a camera may have had waiting.
+enum { DEFAULT_TIMEOUT_MS = 10000, SLICE_MS = 200, MAX_WAITING = 12 };
+
+typedef struct recording {
+    sheen_session *session;
+    sheen_source *src;
+    const sheen_record_options *options;
+    int done, total;
+} recording;
 
 // The session's copy of a frame, if it has one.
 static const sheen_frame_info *find_copy(const sheen_session *s, const sheen_frame *frame, const char *digest)
@@ -36,22 +44,70 @@ static sheen_status add(sheen_session *s, sheen_frame *frame, sheen_err *err)
     return sheen_session_add_frame(s, &info, frame->extension, frame->data, frame->size_bytes, err);
 }
 
-static sheen_status record_one(sheen_session *s, sheen_source *src, const sheen_record_options *o,
-                               sheen_record_report *report, sheen_err *err)
+// The next frame. It waits a little at a time, so that the caller can stop; what counts as no answer is a time in which
+// a camera delivered nothing at all, not even frames that are of no use.
+static sheen_status next_frame(sheen_frame *frame, recording *r, sheen_err *err)
 {
+    const sheen_record_options *o = r->options;
+    const int timeout_ms = o->timeout_ms ? o->timeout_ms : DEFAULT_TIMEOUT_MS;
+    int64_t n_before = -1;
+    int waited_ms = 0;
+    for (;;) {
+        sheen_source_counts counts;
+        sheen_status st = sheen_source_next(r->src, SLICE_MS, frame, err);
+        if (st != SHEEN_ETIMEOUT)
+            return st;
+        sheen_source_counters(&counts, r->src);
+        waited_ms = counts.n_frames == n_before ? waited_ms + SLICE_MS : SLICE_MS;
+        n_before = counts.n_frames;
+        if (waited_ms >= timeout_ms)
+            return st;
+        st = sheen_progress_step(&o->progress, "recording", r->done, r->total, err);
+        if (st)
+            return st;
+    }
+}
+
+// Frames go by until one is wanted; then until one that was exposed after that moment. Where a camera does not say when
+// a frame was exposed, those that may have waited in its buffers pass first.
+static sheen_status wanted_frame(sheen_frame *frame, recording *r, sheen_err *err)
+{
+    const sheen_record_options *o = r->options;
+    int64_t since_ns = -1;
+    int n_passed = 0;
+    for (;;) {
+        sheen_status st = next_frame(frame, r, err);
+        if (st || !o->wanted || !sheen_source_is_live(r->src))
+            return st;
+        if (since_ns < 0)
+            since_ns = o->wanted(o->self);
+        if (since_ns >= 0 &&
+            (frame->info.t_ns < 0 ? n_passed++ >= MAX_WAITING : frame->info.t_ns >= since_ns))
+            return SHEEN_OK;
+        st = sheen_progress_step(&o->progress, "recording", r->done, r->total, err);
+        if (st)
+            return st;
+    }
+}
+
+static sheen_status record_one(recording *r, sheen_record_report *report, sheen_err *err)
+{
+    const sheen_record_options *o = r->options;
     sheen_frame frame;
     char digest[33];
-    sheen_status st = sheen_source_next(src, o->timeout_ms ? o->timeout_ms : DEFAULT_TIMEOUT_MS, &frame, err);
+    sheen_status st = wanted_frame(&frame, r, err);
+    if (!st && o->check)
+        st = o->check(o->self, &frame, err);
     if (st)
         return st;
     if (o->set_role)
         frame.info.role = o->role;
     sheen_digest(digest, frame.data, frame.size_bytes);
-    if (find_copy(s, &frame, digest)) {
+    if (!sheen_source_is_live(r->src) && find_copy(r->session, &frame, digest)) {
         report->n_present++;
         return SHEEN_OK;
     }
-    st = add(s, &frame, err);
+    st = add(r->session, &frame, err);
     if (!st)
         report->n_recorded++;
     return st;
@@ -70,20 +126,19 @@ sheen_status sheen_record(sheen_session *session, sheen_source *src, const sheen
                           sheen_record_report *report, sheen_err *err)
 {
     *report = (sheen_record_report){0};
-    const int total = total_frames(src, options->count);
+    recording r = {session, src, options, 0, total_frames(src, options->count)};
     sheen_status st = SHEEN_OK;
     sheen_err e = {0}; // the end of the recording is no error of ours
-    size_t n = 0;
-    while (!st && (!options->count || n < options->count)) {
-        st = sheen_progress_step(&options->progress, "recording", (int)n, total, &e);
+    while (!st && (!options->count || (size_t)r.done < options->count)) {
+        st = sheen_progress_step(&options->progress, "recording", r.done, r.total, &e);
         if (!st)
-            st = record_one(session, src, options, report, &e);
-        n = report->n_recorded + report->n_present;
+            st = record_one(&r, report, &e);
+        r.done = (int)(report->n_recorded + report->n_present);
     }
     if (st == SHEEN_EEND)
-        st = n ? SHEEN_OK : sheen_fail(&e, SHEEN_EDATA, "the source gave no frame");
+        st = r.done ? SHEEN_OK : sheen_fail(&e, SHEEN_EDATA, "the source gave no frame");
     if (!st)
-        st = sheen_progress_step(&options->progress, "recording", (int)n, total, &e);
+        st = sheen_progress_step(&options->progress, "recording", r.done, r.total, &e);
     if (st && err)
         *err = e;
     return st;

@@ -14,15 +14,15 @@ struct sheen_source {
     atomic_bool stopped;
 };
 
-static const sheen_source_backend *const backends[] = {&sheen_source_replay};
+static const sheen_source_backend *const backends[] = {&sheen_source_replay, &sheen_source_v4l2};
 enum { N_BACKENDS = sizeof backends / sizeof *backends };
 
 // Kinds of sources that sheen's URIs have names for, so that a build without one can say that it is.
-static const char *const camera_schemes[] = {"v4l2", "libcamera"};
+static const char *const camera_schemes[] = {"libcamera"};
 
 const char *const *sheen_source_schemes(void)
 {
-    static const char *const schemes[] = {"replay", NULL};
+    static const char *const schemes[] = {"replay", "v4l2", NULL};
     return schemes;
 }
 
@@ -34,36 +34,46 @@ static sheen_status find_backend(const sheen_source_backend **out, const char *u
         if (!strncmp(uri, backends[i]->scheme, n) && !backends[i]->scheme[n]) {
             *out = backends[i];
             return colon[1] ? SHEEN_OK
-                            : sheen_fail(err, SHEEN_EARG, "'%s' names nothing: write replay:SESSION", uri);
+                            : sheen_fail(err, SHEEN_EARG,
+                                         "'%s' names nothing: write replay:SESSION or v4l2:/dev/videoN", uri);
         }
     for (size_t i = 0; colon && i < sizeof camera_schemes / sizeof *camera_schemes; i++)
         if (!strncmp(uri, camera_schemes[i], n) && !camera_schemes[i][n])
-            return sheen_fail(err, SHEEN_EUNSUP,
-                              "this build has no camera support for '%.200s': import image files, or use "
-                              "replay:SESSION",
-                              uri);
-    return sheen_fail(err, SHEEN_EARG, "unknown kind of source '%.200s': use replay:SESSION", uri);
+            return sheen_fail(
+                err, SHEEN_EUNSUP,
+                "this build has no support for '%.200s': use v4l2:/dev/videoN, import image files, or "
+                "use replay:SESSION",
+                uri);
+    return sheen_fail(err, SHEEN_EARG,
+                      "unknown kind of source '%.200s': use v4l2:/dev/videoN or replay:SESSION", uri);
+}
+
+sheen_status sheen_source_adopt(sheen_source **src_out, const sheen_source_backend *backend, void *self,
+                                sheen_err *err)
+{
+    sheen_source *src = calloc(1, sizeof *src);
+    *src_out = src;
+    if (!src) {
+        backend->close(self);
+        return sheen_fail_memory(err, sizeof *src, "a source");
+    }
+    src->backend = backend;
+    src->self = self;
+    atomic_init(&src->stopped, false);
+    return SHEEN_OK;
 }
 
 sheen_status sheen_source_open(sheen_source **src_out, const char *uri, sheen_err *err)
 {
     const sheen_source_backend *backend = NULL;
+    void *self = NULL;
     *src_out = NULL;
     sheen_status s = find_backend(&backend, uri, err);
     if (s)
         return s;
-    sheen_source *src = calloc(1, sizeof *src);
-    if (!src)
-        return sheen_fail_memory(err, sizeof *src, "a source");
-    src->backend = backend;
-    atomic_init(&src->stopped, false);
-    s = backend->open(&src->self, strchr(uri, ':') + 1, err);
-    if (s) {
-        free(src);
-        return sheen_wrap(err, s, "cannot open source '%.200s'", uri);
-    }
-    *src_out = src;
-    return SHEEN_OK;
+    s = backend->open(&self, strchr(uri, ':') + 1, err);
+    return s ? sheen_wrap(err, s, "cannot open source '%.200s'", uri)
+             : sheen_source_adopt(src_out, backend, self, err);
 }
 
 sheen_status sheen_source_next(sheen_source *src, int timeout_ms, sheen_frame *frame, sheen_err *err)
@@ -78,6 +88,18 @@ sheen_status sheen_source_next(sheen_source *src, int timeout_ms, sheen_frame *f
 int64_t sheen_source_count(const sheen_source *src)
 {
     return src->backend->count ? src->backend->count(src->self) : -1;
+}
+
+void sheen_source_counters(sheen_source_counts *out, const sheen_source *src)
+{
+    *out = (sheen_source_counts){0};
+    if (src->backend->counters)
+        src->backend->counters(out, src->self);
+}
+
+bool sheen_source_is_live(const sheen_source *src)
+{
+    return src->backend->counters != NULL;
 }
 
 void sheen_source_stop(sheen_source *src)

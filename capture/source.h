@@ -12,6 +12,7 @@
 #ifndef SHEEN_CAPTURE_SOURCE_H
 #define SHEEN_CAPTURE_SOURCE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -33,8 +34,19 @@ typedef struct sheen_frame {
     size_t mask_bytes;
 } sheen_frame;
 
+// What became of a camera's frames since it was opened; all zero where a source loses none.
+typedef struct sheen_source_counts {
+    int64_t n_frames;   // good ones, whether they were then used or not
+    int64_t n_dropped;  // gaps in the driver's numbers: never delivered
+    int64_t n_flagged;  // rejected: the driver says that they are damaged
+    int64_t n_short;    // rejected: fewer bytes than a frame, or a JPEG without its end
+    int64_t n_late;     // rejected: came after their turn had passed
+    int64_t n_unlocked; // rejected: the settings that were read back with them were not those of the lock
+} sheen_source_counts;
+
 // Opens a source by URI:
 //     replay:SESSION[?role=input|calibration|test]    frames of a session, in the order of their names
+//     v4l2:/dev/videoN[?option&option...]             a camera; options: docs/capture.md
 // EARG (unknown kind or option), EUNSUP (a kind of source that this build is without), and what the
 // source itself reports: ENODEV, EACCESS, EIO, EFORMAT, EDATA (no frames in it).
 sheen_status sheen_source_open(sheen_source **src_out, const char *uri, sheen_err *err);
@@ -45,6 +57,10 @@ sheen_status sheen_source_next(sheen_source *src, int timeout_ms, sheen_frame *f
 
 // How many frames it has in all, -1 where that is not known (a camera).
 int64_t sheen_source_count(const sheen_source *src);
+
+void sheen_source_counters(sheen_source_counts *out, const sheen_source *src);
+// True for a camera: frames come whether one asks for them or not.
+bool sheen_source_is_live(const sheen_source *src);
 
 void sheen_source_stop(sheen_source *src);
 void sheen_source_close(sheen_source **src);

@@ -30,10 +30,18 @@ typedef struct sheen_source_backend {
     // Number of frames in all, or -1. NULL: never known.
     int64_t (*count)(const void *self);
 
+    // What became of its frames. NULL: a recording, which loses none.
+    void (*counters)(sheen_source_counts *out, const void *self);
+
     // Closes and frees everything, whatever state it is in. Never fails.
     void (*close)(void *self);
 } sheen_source_backend;
 
 extern const sheen_source_backend sheen_source_replay; // replay.c
+extern const sheen_source_backend sheen_source_v4l2;   // v4l2_source.c
+
+// A source over a backend's state that was opened by other means. Takes `self` over, also where it fails (ENOMEM).
+sheen_status sheen_source_adopt(sheen_source **src_out, const sheen_source_backend *backend, void *self,
+                                sheen_err *err);
 
 #endif

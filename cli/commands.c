@@ -8,6 +8,7 @@
 
 const sheen_command *const sheen_commands[] = {
     // clang-format off
+    &sheen_cmd_devices,
     &sheen_cmd_capture,
     &sheen_cmd_import,
     &sheen_cmd_calibrate,
@@ -16,6 +17,7 @@ const sheen_command *const sheen_commands[] = {
     &sheen_cmd_fit,
     &sheen_cmd_render,
     &sheen_cmd_eval,
+    &sheen_cmd_export,
     &sheen_cmd_run,
     NULL,
     // clang-format on

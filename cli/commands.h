@@ -5,6 +5,7 @@
 
 #include "cli/cmd.h"
 
+extern const sheen_command sheen_cmd_devices;
 extern const sheen_command sheen_cmd_capture;
 extern const sheen_command sheen_cmd_import;
 extern const sheen_command sheen_cmd_calibrate;
@@ -13,6 +14,7 @@ extern const sheen_command sheen_cmd_register;
 extern const sheen_command sheen_cmd_fit;
 extern const sheen_command sheen_cmd_render;
 extern const sheen_command sheen_cmd_eval;
+extern const sheen_command sheen_cmd_export;
 extern const sheen_command sheen_cmd_run;
 
 #endif

@@ -493,6 +493,7 @@ static void pictures_and_masks_are_decoded(void **state)
     f.width_px = 4;
     f.height_px = 3;
     assert_ok(sheen_session_add_frame(&s, &f, "png", png, n, &err), err);
+    sheen_raster raster;
     sheen_image img;
     assert_ok(sheen_session_mask(&img, &s, &f, &err), err);
     assert_null(img.data);
@@ -509,8 +510,16 @@ static void pictures_and_masks_are_decoded(void **state)
     assert_fails(sheen_session_image(&img, &s, &f, &err), err, SHEEN_EFORMAT, "5 x 3");
     assert_fails(sheen_session_mask(&img, &s, &f, &err), err, SHEEN_EFORMAT, "masks/a.png");
     f.width_px = 4;
-    f.fourcc = 0x56595559;
-    assert_fails(sheen_session_image(&img, &s, &f, &err), err, SHEEN_EUNSUP, "raw");
+    f.fourcc = 0x34363248; // "H264"
+    assert_fails(sheen_session_image(&img, &s, &f, &err), err, SHEEN_EUNSUP, "raw data");
+    f.fourcc = 0x56595559; // "YUYV": the picture's bytes for once taken as such a frame's
+    f.stride_bytes = 8;
+    f.height_px = 1;
+    assert_ok(sheen_session_raster(&raster, &s, &f, &err), err);
+    assert_true(raster.width_px == 4 && raster.n_channels == 3 && raster.bits == 16);
+    sheen_raster_release(&raster);
+    f.height_px = 30000;
+    assert_fails(sheen_session_raster(&raster, &s, &f, &err), err, SHEEN_EFORMAT, "cut short");
     free(png);
     sheen_session_release(&s);
 }

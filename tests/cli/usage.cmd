@@ -18,7 +18,7 @@ sheen capture s --device replay:x --count none
 sheen capture s --device replay:x --count 0
 sheen capture s t --device replay:x
 sheen capture s --device gphoto:x
-sheen capture s --device v4l2:/dev/video0
+sheen capture s --device v4l2:/dev/no-camera
 sheen capture s --device replay:nowhere
 sheen capture s --json --count
 sheen capture s --json --device replay:nowhere

@@ -16,6 +16,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size_bytes)
     if (f.width_px < 1 || f.height_px < 1 || f.stride_bytes < 0 || f.role >= SHEEN_ROLE_COUNT ||
         f.transfer >= SHEEN_TRANSFER_COUNT)
         abort();
+    if (f.n_controls < 0 || f.n_controls > SHEEN_FRAME_MAX_CONTROLS || f.lock > SHEEN_LOCK_HELD ||
+        memchr(f.device, 0, sizeof f.device) == NULL)
+        abort();
     if (memchr(f.source, 0, sizeof f.source) == NULL || memchr(f.file, 0, sizeof f.file) == NULL)
         abort();
     return 0;

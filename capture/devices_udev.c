@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// devices_udev.c - finds video nodes and their lasting names through libudev; the only file that includes it.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <libudev.h>
+
+#include "capture/devices.h"
+
+static void copy_text(char *out, size_t size_bytes, const char *text)
+{
+    snprintf(out, size_bytes, "%s", text ? text : "");
+}
+
+static int number(const char *text, int base)
+{
+    return text ? (int)strtol(text, NULL, base) : 0;
+}
+
+static void read_links(sheen_device *d, struct udev_device *dev)
+{
+    struct udev_list_entry *e;
+    udev_list_entry_foreach(e, udev_device_get_devlinks_list_entry(dev))
+    {
+        const char *link = udev_list_entry_get_name(e);
+        if (!strncmp(link, "/dev/v4l/by-id/", 15))
+            copy_text(d->by_id, sizeof d->by_id, link);
+        else if (!strncmp(link, "/dev/v4l/by-path/", 17))
+            copy_text(d->by_path, sizeof d->by_path, link);
+    }
+}
+
+static void describe(sheen_device *d, struct udev_device *dev)
+{
+    *d = (sheen_device){0};
+    copy_text(d->path, sizeof d->path, udev_device_get_devnode(dev));
+    copy_text(d->name, sizeof d->name, udev_device_get_sysattr_value(dev, "name"));
+    read_links(d, dev);
+    // The parent belongs to dev.
+    struct udev_device *usb = udev_device_get_parent_with_subsystem_devtype(dev, "usb", "usb_device");
+    if (!usb)
+        return;
+    d->is_usb = true;
+    d->vendor_id = number(udev_device_get_sysattr_value(usb, "idVendor"), 16);
+    d->product_id = number(udev_device_get_sysattr_value(usb, "idProduct"), 16);
+    d->usb_bus = number(udev_device_get_sysattr_value(usb, "busnum"), 10);
+    d->usb_address = number(udev_device_get_sysattr_value(usb, "devnum"), 10);
+    copy_text(d->serial, sizeof d->serial, udev_device_get_sysattr_value(usb, "serial"));
+}
+
+static int compare_paths(const void *a, const void *b)
+{
+    const sheen_device *d = a, *e = b;
+    const size_t n = strlen(d->path), m = strlen(e->path);
+    return n != m ? (n < m ? -1 : 1) : strcmp(d->path, e->path); // video2 before video10
+}
+
+static sheen_status collect(sheen_device **devices, size_t *n, struct udev_enumerate *all, struct udev *udev,
+                            sheen_err *err)
+{
+    struct udev_list_entry *e;
+    udev_list_entry_foreach(e, udev_enumerate_get_list_entry(all))
+    {
+        struct udev_device *dev = udev_device_new_from_syspath(udev, udev_list_entry_get_name(e));
+        if (!dev)
+            continue; // gone meanwhile
+        const char *node = udev_device_get_devnode(dev);
+        if (node && !strncmp(node, "/dev/video", 10)) {
+            sheen_device *grown = realloc(*devices, (*n + 1) * sizeof *grown);
+            if (!grown) {
+                udev_device_unref(dev);
+                return sheen_fail_memory(err, (double)(*n + 1) * sizeof *grown, "the list of cameras");
+            }
+            *devices = grown;
+            describe(&grown[*n], dev);
+            if (sheen_device_ask(&grown[*n], &sheen_v4l2_kernel))
+                ++*n;
+        }
+        udev_device_unref(dev);
+    }
+    return SHEEN_OK;
+}
+
+sheen_status sheen_devices_list(sheen_device **devices_out, size_t *n_out, sheen_err *err)
+{
+    sheen_device *devices = NULL;
+    size_t n = 0;
+    *devices_out = NULL;
+    *n_out = 0;
+    struct udev *udev = udev_new();
+    struct udev_enumerate *all = udev ? udev_enumerate_new(udev) : NULL;
+    sheen_status s = SHEEN_OK;
+    if (!all || udev_enumerate_add_match_subsystem(all, "video4linux") < 0 ||
+        udev_enumerate_scan_devices(all) < 0)
+        s = sheen_fail(err, SHEEN_EIO, "the list of devices cannot be read: is '/sys' mounted?");
+    if (!s)
+        s = collect(&devices, &n, all, udev, err);
+    udev_enumerate_unref(all);
+    udev_unref(udev);
+    if (s) {
+        sheen_devices_release(devices, n);
+        return s;
+    }
+    if (n) {
+        qsort(devices, n, sizeof *devices, compare_paths);
+        sheen_devices_find_ports(devices, n);
+    }
+    *devices_out = devices;
+    *n_out = n;
+    return SHEEN_OK;
+}

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// v4l2_options.h - what follows "v4l2:" in a URI.
+#ifndef SHEEN_CAPTURE_V4L2_OPTIONS_H
+#define SHEEN_CAPTURE_V4L2_OPTIONS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/file.h"
+#include "base/image.h"
+
+typedef struct sheen_v4l2_options {
+    char path[SHEEN_PATH_MAX];
+    uint32_t fourcc;         // 0: the camera's own choice
+    int width_px, height_px; // 0: likewise
+    double rate_hz;          // 0: likewise
+    bool lock;
+    double exposure_s; // 0: what the camera's automatic finds, to a whole number of the lamps' half periods
+    int mains_hz;      // 50, 60; 0: lamps that do not flicker
+    bool set_transfer; // take `transfer` for true, whatever the camera claims
+    sheen_transfer transfer;
+} sheen_v4l2_options;
+
+// "/dev/video0?format=MJPG&size=1280x720&rate=30&exposure_ms=20&mains=60&lock=off&transfer=srgb". EARG.
+sheen_status sheen_v4l2_options_parse(sheen_v4l2_options *o, const char *rest, sheen_err *err);
+
+#endif

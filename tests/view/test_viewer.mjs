@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+// test_viewer.mjs - exported pages in a browser: node test_viewer.mjs CHROMIUM SHEEN SESSION FOLDER
+// SESSION is a fitted one; pages and screenshots are left in FOLDER.
+import axe from "axe-core";
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { PNG } from "pngjs";
+import { openBrowser, openPage, picture, psnr, settled } from "./browser.mjs";
+
+const [, , chromium, sheen, session, folder] = process.argv;
+const size = { width: 960, height: 720 };
+const leastDb = 40;
+const looks = ["30,25", "120,10", "205,42", "290,60", "345,-20", "75,85"];
+mkdirSync(folder, { recursive: true });
+
+const run = (...args) => execFileSync(sheen, args, { encoding: "utf8", stdio: ["ignore", "pipe", "inherit"] });
+const exported = (name, ...options) => {
+    const file = join(folder, name);
+    return { file, facts: JSON.parse(run("export", session, "-o", file, "--json", "--max-loss", "20", ...options)) };
+};
+const rendered = (look, ...options) => {
+    const file = join(folder, `sheen-${look}${options.at(-1) ?? ""}.png`);
+    run("render", session, `--view=${look}`, "--size", `${size.width}x${size.height}`, "--black-holes", "-o", file, ...options);
+    return PNG.sync.read(readFileSync(file));
+};
+
+// Pixels that are not all background; with `inside`, that no background touches.
+function objectIn(image, inside = false) {
+    const empty = (i) => [0, 1, 2].every((c) => image.data[4 * i + c] === image.data[c]);
+    const w = image.width;
+    return (i) => !empty(i) && (!inside || [i - 1, i + 1, i - w, i + w, i - w - 1, i - w + 1, i + w - 1, i + w + 1].every((k) => !empty(k)));
+}
+
+const { texels_per_edge: texels } = JSON.parse(readFileSync(join(session, "model/model.json"), "utf8")).texture;
+const browser = await openBrowser(chromium);
+const small = exported("small.html", "--title", `<a> & "b" 'c'`);
+const whole = exported("whole.html", "--texels", String(texels));
+let failed = 0;
+
+async function test(name, body) {
+    const began = Date.now();
+    try {
+        await body();
+        console.log(`ok   ${name} (${Date.now() - began} ms)`);
+    } catch (error) {
+        failed++;
+        console.log(`FAIL ${name}\n${error.stack}`);
+    }
+}
+
+// Opens a page, runs the body on it, and refuses any error or request.
+async function on(file, options, body) {
+    const { tab, faults } = await openPage(browser, file, { ...size, ...options });
+    try {
+        await settled(tab, options.state);
+        await body(tab);
+        assert.deepEqual(faults.filter((fault) => !options.expected?.test(fault)), []);
+    } finally {
+        await tab.context().close();
+    }
+}
+
+const hash = (tab) => tab.evaluate(() => location.hash);
+const said = (tab) => tab.locator("#message-text").textContent();
+
+// What the action changes in the picture, in dB against before.
+async function changes(tab, action) {
+    const before = await picture(tab);
+    await action();
+    await tab.waitForTimeout(200); // until it has been noticed
+    await settled(tab);
+    return psnr(await picture(tab), before).db;
+}
+
+await test("the small page opens without error or request, within its size", async () => {
+    assert.ok(small.facts.size_bytes <= 1e6, `${small.facts.size_bytes} bytes`);
+    await on(small.file, {}, async (tab) => {
+        assert.equal(await tab.title(), `<a> & "b" 'c'`);
+        writeFileSync(join(folder, "desktop.png"), await tab.screenshot());
+    });
+});
+
+for (const look of looks)
+    await test(`from ${look} the page shows what sheen renders`, async () => {
+        const distance = 0.5;
+        const want = rendered(`${look},${distance}`);
+        await on(whole.file, { hash: `#view=${look},${distance}&interface=none` }, async (tab) => {
+            const got = await picture(tab);
+            writeFileSync(join(folder, `page-${look}.png`), PNG.sync.write(got));
+            const { db, n } = psnr(got, want, objectIn(want));
+            console.log(`     ${db.toFixed(1)} dB over ${n} pixels`);
+            assert.ok(n > 2000, "the object should be in view");
+            assert.ok(db >= leastDb);
+        });
+    });
+
+for (const layer of ["diffuse", "specular"])
+    await test(`the ${layer} layer is sheen's`, async () => {
+        const look = `${looks[2]},0.5`;
+        const inside = objectIn(rendered(look), true);
+        const want = rendered(look, "--layer", layer);
+        await on(whole.file, { hash: `#view=${look}&interface=none&layer=${layer}` }, async (tab) => {
+            const { db } = psnr(await picture(tab), want, inside);
+            console.log(`     ${db.toFixed(1)} dB`);
+            assert.ok(db >= leastDb);
+        });
+    });
+
+await test("mouse, wheel and keys move the view; Home goes back", async () => {
+    await on(small.file, { hash: "" }, async (tab) => {
+        const first = await hash(tab);
+        const drag = async () => {
+            await tab.mouse.move(400, 300);
+            await tab.mouse.down();
+            await tab.mouse.move(480, 330, { steps: 4 });
+            await tab.mouse.up();
+        };
+        assert.ok((await changes(tab, drag)) < 35, "dragging");
+        assert.notEqual(await hash(tab), first);
+        assert.ok((await changes(tab, () => tab.mouse.wheel(0, 400))) < 35, "wheel");
+        await tab.focus("#stage");
+        for (const key of ["ArrowLeft", "ArrowUp", "Shift+ArrowRight", "+", "-"]) {
+            const before = await hash(tab);
+            await changes(tab, () => tab.keyboard.press(key));
+            assert.notEqual(await hash(tab), before, key);
+        }
+        await changes(tab, () => tab.keyboard.press("Home"));
+        assert.equal(await hash(tab), first);
+    });
+});
+
+await test("the controls change the picture and go back on reset", async () => {
+    await on(small.file, { hash: `#view=${looks[2]},0.5` }, async (tab) => {
+        for (const id of ["strength", "roughness", "lights"]) {
+            const slide = async () => {
+                await tab.focus(`#${id}`);
+                await tab.keyboard.press("PageUp");
+                await tab.keyboard.press("PageUp");
+            };
+            const value = await tab.locator(`#${id}-value`).textContent();
+            assert.ok((await changes(tab, slide)) < 60, id);
+            assert.notEqual(await tab.locator(`#${id}-value`).textContent(), value);
+        }
+        assert.ok((await changes(tab, () => tab.check("input[value=diffuse]"))) < 60, "layer");
+        const link = await hash(tab);
+        assert.match(link, /layer=diffuse.*strength=.*sigma=.*lights=/);
+        await changes(tab, () => tab.click("#reset"));
+        assert.doesNotMatch(await hash(tab), /layer|strength|sigma|lights/);
+    });
+});
+
+await test("the turntable turns and stops", async () => {
+    await on(small.file, {}, async (tab) => {
+        const first = await hash(tab);
+        await tab.click("#turn");
+        await tab.waitForTimeout(1000);
+        assert.equal(await tab.getAttribute("#turn", "aria-pressed"), "true");
+        await tab.click("#turn");
+        await settled(tab);
+        await tab.waitForTimeout(300);
+        await settled(tab);
+        assert.notEqual(await hash(tab), first);
+    });
+});
+
+await test("a link's view is the one that is shown, whatever it holds", async () => {
+    const link = "#view=205,42,0.5&pan=0.01,-0.02&layer=specular&sigma=0.05&lights=40";
+    await on(small.file, { hash: link }, async (tab) => assert.equal(await hash(tab), link));
+    for (const bad of ["#view=NaN,,1e999&sigma=-1&lights=x&pan=,", "#%", "#view=1,2,0"])
+        await on(small.file, { hash: bad }, async (tab) => assert.match(await hash(tab), /^#view=[-\d.]+,[-\d.]+,[\d.]+/));
+});
+
+await test("axe finds nothing serious", async () => {
+    for (const colorScheme of ["light", "dark"])
+        await on(small.file, { colorScheme }, async (tab) => {
+            await tab.evaluate(() => document.querySelectorAll("details").forEach((part) => (part.open = true)));
+            await tab.addScriptTag({ content: axe.source });
+            const { violations } = await tab.evaluate(() => window.axe.run());
+            for (const found of violations) console.log(`     ${found.impact}: ${found.id}: ${found.nodes.map((n) => n.target).join(" ")}`);
+            assert.deepEqual(violations.filter(({ impact }) => impact === "serious" || impact === "critical"), []);
+        });
+});
+
+await test("on a phone the object comes first, and a finger turns it", async () => {
+    const phone = { width: 390, height: 844, deviceScaleFactor: 2, isMobile: true, hasTouch: true };
+    await on(small.file, phone, async (tab) => {
+        assert.equal(await tab.evaluate(() => document.getElementById("panel").open), false);
+        assert.equal(await tab.evaluate(() => document.documentElement.scrollWidth <= innerWidth), true);
+        const before = await hash(tab);
+        const client = await tab.context().newCDPSession(tab);
+        const touch = (type, x) => client.send("Input.dispatchTouchEvent", { type, touchPoints: type === "touchEnd" ? [] : [{ x, y: 300 }] });
+        await touch("touchStart", 150);
+        for (const x of [180, 210, 240]) await touch("touchMove", x);
+        await touch("touchEnd");
+        await tab.waitForTimeout(200);
+        await settled(tab);
+        assert.notEqual(await hash(tab), before);
+        await tab.click("#panel summary");
+        writeFileSync(join(folder, "phone.png"), await tab.screenshot());
+    });
+});
+
+await test("without WebGL2, and with a damaged model, the page says so", async () => {
+    const html = readFileSync(small.file, "utf8");
+    const write = (name, text) => {
+        writeFileSync(join(folder, name), text);
+        return join(folder, name);
+    };
+    const start = html.indexOf('id="geometry">') + 'id="geometry">'.length;
+    const damaged = {
+        "cut.html": html.slice(0, start + 2000) + html.slice(html.indexOf("</script>", start)),
+        "other.html": html.slice(0, start) + "AAAA" + html.slice(start + 4),
+        "none.html": html.slice(0, start) + html.slice(html.indexOf("</script>", start)),
+    };
+    for (const [name, text] of Object.entries(damaged))
+        await on(write(name, text), { state: "error", expected: /^console: / }, async (tab) => assert.match(await said(tab), /damaged/));
+    const blind = `<script>HTMLCanvasElement.prototype.getContext = () => null;</script>`;
+    await on(write("blind.html", html.replace("<main>", `<main>${blind}`)), { state: "error", expected: /^console: / }, async (tab) =>
+        assert.match(await said(tab), /WebGL2/),
+    );
+});
+
+await browser.close();
+console.log(failed ? `${failed} tests failed` : "all tests passed");
+process.exit(failed ? 1 : 0);

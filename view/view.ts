@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// view.ts - where the camera stands and what is shown; as text for a link. The viewpoints are those of
+// `sheen render --view`: azimuth about the board's z from its x, elevation, distance from the object's middle.
+import type { Model } from "./model";
+
+export interface View {
+    azimuth: number; // degrees
+    elevation: number;
+    distance: number; // metres
+    pan: [number, number]; // metres that the object is moved right and down in the picture
+    layer: "all" | "diffuse" | "specular";
+    strength: number; // times the model's k_S
+    sigma: number; // rad
+    turn: number; // of the lights, degrees
+    holes: boolean; // marked
+}
+
+export type Matrix3 = number[][]; // rows
+
+const fill = 0.8; // share of the smaller side that the object's sphere fills
+const rad = Math.PI / 180;
+
+export function multiply(a: Matrix3, b: Matrix3): Matrix3 {
+    return a.map((row) => [0, 1, 2].map((k) => row[0] * b[0][k] + row[1] * b[1][k] + row[2] * b[2][k]));
+}
+
+export function apply(a: Matrix3, x: number[]): number[] {
+    return a.map((row) => row[0] * x[0] + row[1] * x[1] + row[2] * x[2]);
+}
+
+export function transpose(a: Matrix3): Matrix3 {
+    return [0, 1, 2].map((i) => a.map((row) => row[i]));
+}
+
+// Of a Rodrigues vector.
+export function rotation(r: number[]): Matrix3 {
+    const angle = Math.hypot(r[0], r[1], r[2]);
+    const [x, y, z] = angle > 0 ? r.slice(0, 3).map((c) => c / angle) : [0, 0, 1];
+    const c = Math.cos(angle);
+    const s = Math.sin(angle);
+    const t = 1 - c;
+    return [
+        [c + t * x * x, t * x * y - s * z, t * x * z + s * y],
+        [t * x * y + s * z, c + t * y * y, t * y * z - s * x],
+        [t * x * z - s * y, t * y * z + s * x, c + t * z * z],
+    ];
+}
+
+export function defaultDistance(model: Model, width: number, height: number): number {
+    const focal = model.focalPerWidth * width;
+    return model.radius * Math.hypot(1, focal / ((fill * Math.min(width, height)) / 2));
+}
+
+export function firstView(model: Model, width: number, height: number): View {
+    return {
+        azimuth: 30,
+        elevation: 25,
+        distance: defaultDistance(model, width, height),
+        pan: [0, 0],
+        layer: "all",
+        strength: 1,
+        sigma: model.sigma,
+        turn: 0,
+        holes: false,
+    };
+}
+
+export interface Pose {
+    R: Matrix3; // camera from object; x right, y down, z forward
+    t: number[];
+    camera: number[]; // in the object's frame
+    lightFromObj: Matrix3; // into the frame in which the lights are listed
+}
+
+export function poseOf(model: Model, view: View): Pose {
+    const ca = Math.cos(view.azimuth * rad);
+    const sa = Math.sin(view.azimuth * rad);
+    const ce = Math.cos(view.elevation * rad);
+    const se = Math.sin(view.elevation * rad);
+    const look = [
+        [-sa, ca, 0],
+        [se * ca, se * sa, -ce],
+        [-ce * ca, -ce * sa, -se],
+    ];
+    const R = multiply(look, rotation(model.boardFromObj));
+    const offset = apply(R, model.centre);
+    const t = [view.pan[0] - offset[0], view.pan[1] - offset[1], view.distance - offset[2]];
+    const camera = apply(transpose(R), t).map((x) => -x);
+    const worldFromObj = model.objectMoves ? R : rotation(model.worldFromObj);
+    // The lights turn about the vertical: the board's, or where they stand still before the camera the picture's.
+    const axis = model.objectMoves ? [0, -1, 0] : [0, 0, 1];
+    const back = rotation(axis.map((x) => -x * view.turn * rad));
+    return { R, t, camera, lightFromObj: multiply(back, worldFromObj) };
+}
+
+function number(text: string | undefined, low: number, high: number, otherwise: number): number {
+    const x = Number(text);
+    return text && Number.isFinite(x) ? Math.min(high, Math.max(low, x)) : otherwise;
+}
+
+const short = (x: number): string => String(Number(x.toPrecision(5)));
+
+// The part of the address after '#'. What is as at first is left out.
+export function toHash(view: View, first: View): string {
+    const parts = [`view=${[view.azimuth, view.elevation, view.distance].map(short).join(",")}`];
+    if (view.pan[0] || view.pan[1]) parts.push(`pan=${view.pan.map(short).join(",")}`);
+    if (view.layer !== first.layer) parts.push(`layer=${view.layer}`);
+    if (view.strength !== first.strength) parts.push(`strength=${short(view.strength)}`);
+    if (view.sigma !== first.sigma) parts.push(`sigma=${short(view.sigma)}`);
+    if (view.turn !== first.turn) parts.push(`lights=${short(view.turn)}`);
+    if (view.holes) parts.push("holes=marked");
+    return `#${parts.join("&")}`;
+}
+
+export function fromHash(hash: string, first: View, radius: number): View {
+    const given = new URLSearchParams(hash.replace(/^#/, ""));
+    const look = (given.get("view") ?? "").split(",");
+    const pan = (given.get("pan") ?? "").split(",");
+    const layer = given.get("layer");
+    const text = (key: string): string | undefined => given.get(key) ?? undefined;
+    return {
+        azimuth: number(look[0], -1e6, 1e6, first.azimuth),
+        elevation: number(look[1], -90, 90, first.elevation),
+        distance: number(look[2], 1.02 * radius, 50 * radius, first.distance),
+        pan: [number(pan[0], -5 * radius, 5 * radius, 0), number(pan[1], -5 * radius, 5 * radius, 0)],
+        layer: layer === "diffuse" || layer === "specular" ? layer : "all",
+        strength: number(text("strength"), 0, 4, 1),
+        sigma: number(text("sigma"), 1e-3, 1, first.sigma),
+        turn: number(text("lights"), -180, 180, 0),
+        holes: given.get("holes") === "marked",
+    };
+}
