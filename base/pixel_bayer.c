@@ -3,6 +3,8 @@
 // own colour stands out of its neighbourhood (Malvar, He, Cutler 2004, fig. 2).
 #include "base/pixel_parts.h"
 
+#include <math.h>
+
 // Where the picture ends it is mirrored about its last sample, which keeps the pattern.
 static int mirror(int i, int n)
 {
@@ -56,7 +58,7 @@ static float opposite_colour(const window *w)
 
 static uint16_t clip(float x)
 {
-    return x <= 0 ? 0 : x >= 65535 ? 65535 : (uint16_t)(x + 0.5f);
+    return x <= 0 ? 0 : x >= 65535 ? 65535 : (uint16_t)lrintf(x);
 }
 
 void sheen_bayer_develop(uint16_t *rgb, const uint16_t *mosaic, int width_px, int height_px, int red)

@@ -2,6 +2,7 @@
 // pixel_format.c - the table of raw formats, their sizes and curves, and the way from bytes to samples.
 #include "base/pixel_format.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include <linux/videodev2.h>
@@ -141,7 +142,7 @@ static void spread_limited(sheen_raster *r)
     const size_t n = (size_t)r->width_px * (size_t)r->height_px * (size_t)r->n_channels;
     for (size_t i = 0; i < n; i++) {
         const float y = ((float)v[i] / 65535 - 16 / 255.0f) * (255 / 219.0f);
-        v[i] = y <= 0 ? 0 : y >= 1 ? 65535 : (uint16_t)(y * 65535 + 0.5f);
+        v[i] = y <= 0 ? 0 : y >= 1 ? 65535 : (uint16_t)lrintf(y * 65535);
     }
 }
 

@@ -4,6 +4,7 @@
 // With Kr, Kb of the matrix: R' = Y' + 2 (1 - Kr) Cr, B' = Y' + 2 (1 - Kb) Cb, and Y' = Kr R' + (1 - Kr - Kb) G' + Kb B'.
 // Limited range has Y' in 16..235 and chroma in 16..240, full range uses all codes.
 #include <linux/videodev2.h>
+#include <math.h>
 
 #include "base/pixel_parts.h"
 
@@ -47,8 +48,8 @@ sheen_status sheen_yuv_matrix_of(sheen_yuv_matrix *m, const sheen_colorimetry *c
     const bool limited = quantization == V4L2_QUANTIZATION_LIM_RANGE;
     const float kg = 1 - kr - kb;
     m->y_offset = limited ? 16 : 0;
-    m->y_scale = 65535.0f / (limited ? 219 : 255);
-    m->c_scale = 65535.0f / (limited ? 224 : 255);
+    m->y_scale = 65535.0f / (limited ? 219.0f : 255.0f);
+    m->c_scale = 65535.0f / (limited ? 224.0f : 255.0f);
     m->v_red = 2 * (1 - kr);
     m->u_blue = 2 * (1 - kb);
     m->u_green = -2 * (1 - kb) * kb / kg;
@@ -58,7 +59,7 @@ sheen_status sheen_yuv_matrix_of(sheen_yuv_matrix *m, const sheen_colorimetry *c
 
 static uint16_t clip(float x)
 {
-    return x <= 0 ? 0 : x >= 65535 ? 65535 : (uint16_t)(x + 0.5f);
+    return x <= 0 ? 0 : x >= 65535 ? 65535 : (uint16_t)lrintf(x);
 }
 
 // u and v in codes about 128.
@@ -105,8 +106,8 @@ void sheen_nv12_develop(uint16_t *rgb, const uint8_t *data, const sheen_pixel_la
             const int near_x = 2 * (x / 2), far_x = 2 * clamp(x / 2 + (x % 2 ? 1 : -1), w);
             float uv[2];
             for (int c = 0; c < 2; c++)
-                uv[c] = (9.0f * near_row[near_x + c] + 3.0f * near_row[far_x + c] +
-                         3.0f * far_row[near_x + c] + far_row[far_x + c]) /
+                uv[c] = (float)(9 * near_row[near_x + c] + 3 * near_row[far_x + c] + 3 * far_row[near_x + c] +
+                                far_row[far_x + c]) /
                         16;
             put(rgb, data[stride * (size_t)y + (size_t)x], uv[0], uv[1], m);
         }

@@ -20,7 +20,7 @@ void sheen_settle_mean(float rgb[3], const sheen_raster *r, sheen_transfer trans
 {
     const int step = 1 + (int)sqrt((double)r->width_px * r->height_px / 1e4);
     double sum[3] = {0};
-    double n = 0;
+    size_t n = 0;
     for (int y = step / 2; y < r->height_px; y += step)
         for (int x = step / 2; x < r->width_px; x += step, n++)
             for (int c = 0; c < 3; c++) {
@@ -29,7 +29,7 @@ void sheen_settle_mean(float rgb[3], const sheen_raster *r, sheen_transfer trans
                 sum[c] += (double)sheen_transfer_decode(transfer, sample(r, at));
             }
     for (int c = 0; c < 3; c++)
-        rgb[c] = n > 0 ? (float)(sum[c] / n) : 0;
+        rgb[c] = n ? (float)(sum[c] / (double)n) : 0;
 }
 
 float sheen_settle_spread(const sheen_settle *s)

@@ -213,7 +213,7 @@ static sheen_status set_rate(sheen_v4l2_format *f, const sheen_v4l2_options *o, 
 sheen_status sheen_v4l2_camera_configure(sheen_v4l2_format *f, const sheen_v4l2_options *o,
                                          const sheen_v4l2_io *io, int fd, sheen_err *err)
 {
-    struct v4l2_pix_format pix;
+    struct v4l2_pix_format pix = {0};
     *f = (sheen_v4l2_format){0};
     sheen_status s = set_format(&pix, o, io, fd, err);
     if (!s)

@@ -149,9 +149,8 @@ static bool is_good(sheen_v4l2_stream *s, const struct v4l2_buffer *b)
     if (b->flags & V4L2_BUF_FLAG_ERROR)
         s->counts.n_flagged++;
     else if (used > s->lengths_bytes[b->index] || used > s->format.size_bytes ||
-             used < s->format.needed_bytes)
-        s->counts.n_short++;
-    else if (!s->format.needed_bytes && !sheen_v4l2_jpeg_whole(s->buffers[b->index], used))
+             used < s->format.needed_bytes ||
+             (!s->format.needed_bytes && !sheen_v4l2_jpeg_whole(s->buffers[b->index], used)))
         s->counts.n_short++;
     else
         return true;
