@@ -2,6 +2,7 @@
 // import_parts.c - the mesh, the masks and the boards: each is read by its own parser first, then copied as it is.
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <strings.h>
 
 #include "base/board.h"
@@ -80,6 +81,20 @@ static sheen_status import_mask(import_job *job, const char *folder, const sheen
     return s;
 }
 
+// <dir>/<frame>.png, or, where the picture's own name is none for a frame, that name.
+static sheen_status mask_path(char path[SHEEN_PATH_MAX], const char *dir, const sheen_frame_info *f,
+                              sheen_err *err)
+{
+    char name[sizeof f->source + 8];
+    snprintf(name, sizeof name, "%s.png", f->name);
+    const sheen_status s = sheen_path_join(path, dir, name, err);
+    if (s || sheen_file_exists(path) || strchr(f->source, '/'))
+        return s;
+    const char *dot = strrchr(f->source, '.');
+    snprintf(name, sizeof name, "%.*s.png", (int)(dot ? dot - f->source : 0), f->source);
+    return sheen_path_join(path, dir, name, err);
+}
+
 // From the folder `dir` into the session's `folder`.
 static sheen_status import_folder(import_job *job, const char *folder, const char *dir, size_t *n_masks,
                                   sheen_err *err)
@@ -92,9 +107,8 @@ static sheen_status import_folder(import_job *job, const char *folder, const cha
         return sheen_fail(err, SHEEN_EIO, "there is no folder of %s '%s'", folder, dir);
     for (size_t i = 0; !s && i < n; i++) {
         const sheen_frame_info *f = sheen_import_frame(job, i);
-        char name[80], path[SHEEN_PATH_MAX];
-        snprintf(name, sizeof name, "%s.png", f->name);
-        s = sheen_path_join(path, dir, name, err);
+        char path[SHEEN_PATH_MAX];
+        s = mask_path(path, dir, f, err);
         if (s || f->role == SHEEN_ROLE_CALIBRATION || !sheen_file_exists(path))
             continue;
         s = sheen_progress_step(&job->options->progress, folder, (int)i, (int)n, err);

@@ -100,7 +100,7 @@ typedef struct sheen_cli_session {
 
 sheen_status sheen_cli_session_create(sheen_cli_session *s, const char *path, sheen_moving moving,
                                       sheen_err *err);
-// Releases it; a failed command's fresh session without frames is removed again.
+// Releases it; a failed command's fresh session is removed again where it is still empty.
 void sheen_cli_session_close(sheen_cli_session *s, bool failed);
 
 #endif

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // session_arg.c - the SESSION argument of commands that may have to make one.
+#include <string.h>
+
 #include "cli/cli.h"
 
 sheen_status sheen_cli_session_create(sheen_cli_session *s, const char *path, sheen_moving moving,
@@ -15,10 +17,32 @@ sheen_status sheen_cli_session_create(sheen_cli_session *s, const char *path, sh
     return sheen_session_create(&s->session, path, moving, err);
 }
 
+// Whether the folder has no name that ends in `suffix` but these two.
+static bool holds_only(const sheen_session *s, const char *folder, const char *suffix, const char *a,
+                       const char *b)
+{
+    char dir[SHEEN_PATH_MAX];
+    sheen_names names;
+    if (sheen_session_path(dir, s, folder, NULL) || sheen_dir_list(&names, dir, suffix, NULL))
+        return false;
+    bool only = true;
+    for (size_t i = 0; i < names.count; i++)
+        only = only && (!strcmp(names.names[i], a) || !strcmp(names.names[i], b));
+    sheen_names_release(&names);
+    return only;
+}
+
+// Whether the session is empty still: another process may have put something there meanwhile.
+static bool is_empty(const sheen_session *s)
+{
+    return holds_only(s, "", NULL, SHEEN_SESSION_MANIFEST, SHEEN_SESSION_FRAMES) &&
+           holds_only(s, SHEEN_SESSION_FRAMES, ".json", "", "");
+}
+
 void sheen_cli_session_close(sheen_cli_session *s, bool failed)
 {
     char path[SHEEN_PATH_MAX];
-    if (failed && s->fresh && !s->session.n_frames && s->session.path[0]) {
+    if (failed && s->fresh && !s->session.n_frames && s->session.path[0] && is_empty(&s->session)) {
         if (!sheen_session_path(path, &s->session, SHEEN_SESSION_MANIFEST, NULL))
             sheen_file_remove(path, NULL);
         if (!sheen_session_path(path, &s->session, SHEEN_SESSION_FRAMES, NULL))

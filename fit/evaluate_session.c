@@ -127,7 +127,10 @@ static sheen_status run(stage *st, sheen_err *err)
     sheen_status s = sheen_evaluate(&e, &st->model, &st->inputs, &st->tests, st->highlights, &o, err);
     if (!s && (s = st->comparison.status) && err)
         *err = st->comparison.err;
-    return s ? s : sheen_evaluation_append(st->out, &e, err);
+    if (!s)
+        s = sheen_evaluation_append(st->out, &e, err);
+    sheen_evaluation_release(&e);
+    return s;
 }
 
 static sheen_status evaluate_given(stage *st, sheen_err *err)

@@ -84,6 +84,11 @@ static sheen_status fail_ffmpeg(const sheen_film *film, sheen_err *err)
     char why[300];
     last_message(film, why, sizeof why);
     const int unknown = contains_message(film, "Unknown encoder");
+    if (contains_message(film, "No space left on device"))
+        return sheen_fail(err, SHEEN_EIO,
+                          "cannot write the film '%.150s': the disk is full; free some space "
+                          "and try again",
+                          film->path);
     return sheen_fail(err, unknown ? SHEEN_EUNSUP : SHEEN_EIO, "ffmpeg could not write the film '%.150s': %s",
                       film->path, why);
 }

@@ -104,6 +104,30 @@ static void everything_at_once(void **state)
     sheen_session_release(&s);
 }
 
+// A picture's name that is none for a frame is altered; poses and masks are still found by the picture's own.
+static void masks_and_poses_of_pictures_with_odd_names(void **state)
+{
+    static const char *const names[] = {"a b(1)"};
+    files f;
+    sheen_session s;
+    sheen_err err;
+    sheen_import_report r;
+    char picture[TEST_PATH_MAX], mask[TEST_PATH_MAX];
+    make_files(&f, state);
+    make_session(&s, state);
+    test_scratch_file(picture, *state, "a b(1).png");
+    test_scratch_file(mask, *state, "masks/a b(1).png");
+    fixture_picture(picture, W, H, 1, 0);
+    fixture_mask(mask, W, H);
+    fixture_poses(f.poses, W, H, names, 1);
+    const char *const images[] = {picture};
+    const sheen_import_options o = {.images = images, .n_images = 1, .poses = f.poses, .masks = f.masks};
+    assert_ok(sheen_import(&s, &o, &r, &err), err);
+    assert_true(r.n_frames == 1 && r.n_poses == 1 && r.n_masks == 1);
+    assert_true(sheen_session_has(&s, "masks/a_b_1_.png"));
+    sheen_session_release(&s);
+}
+
 static void the_same_pictures_again_are_skipped(void **state)
 {
     files f;
@@ -397,6 +421,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         WITH_SCRATCH(everything_at_once),
+        WITH_SCRATCH(masks_and_poses_of_pictures_with_odd_names),
         WITH_SCRATCH(the_same_pictures_again_are_skipped),
         WITH_SCRATCH(poses_bring_their_camera),
         WITH_SCRATCH(a_new_mesh_replaces_the_old_and_its_registration),

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 #include "base/file.h"
@@ -266,6 +267,29 @@ static void a_film_that_cannot_be_written(void **state)
     assert_no_children();
 }
 
+// ffmpeg says why in the last line but one.
+static void a_full_disk_is_named(void **state)
+{
+    static const char script[] = "#!/bin/sh\n"
+                                 "echo 'Could not write header: No space left on device' >&2\n"
+                                 "echo 'Error initializing output stream 0:0 -- ' >&2\n"
+                                 "exit 1\n";
+    const test_scratch *scratch = *state;
+    char path[TEST_PATH_MAX], program[TEST_PATH_MAX], old_path[1024];
+    sheen_film *film;
+    sheen_err err = {0};
+    test_scratch_file(program, scratch, "ffmpeg");
+    test_scratch_file(path, scratch, "film.mp4");
+    test_file_write_text(program, script);
+    assert_int_equal(chmod(program, 0700), 0);
+    snprintf(old_path, sizeof old_path, "%s", getenv("PATH"));
+    setenv("PATH", scratch->path, 1);
+    assert_ok(sheen_film_open(&film, path, 64, 64, 10, &err), err);
+    setenv("PATH", old_path, 1);
+    assert_fails(sheen_film_close(&film, 1, &err), err, SHEEN_EIO, "the disk is full");
+    assert_no_children();
+}
+
 static void refuses_other_films(void **state)
 {
     const test_scratch *scratch = *state;
@@ -304,6 +328,7 @@ int main(void)
                                         test_scratch_teardown),
         cmocka_unit_test_setup_teardown(a_film_that_cannot_be_written, test_scratch_setup,
                                         test_scratch_teardown),
+        cmocka_unit_test_setup_teardown(a_full_disk_is_named, test_scratch_setup, test_scratch_teardown),
         cmocka_unit_test_setup_teardown(refuses_other_films, test_scratch_setup, test_scratch_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
