@@ -16,6 +16,9 @@ sheen run s --no-film | grep -E '^(fit|eval):'
 @ mkdir masks && make_input mask masks/p2.png 160 120
 @ sheen import s --masks masks
 sheen run s --no-film | grep -E '^[a-z]+:'
+# no room for its pictures: the old evaluation stays
+trap '' XFSZ; ulimit -f 16; sheen eval s
+sheen run s --no-film | grep -E '^eval:'
 sheen render s --view 0,37,0.5 -o front.png
 sheen render s --view=-30,20 -o side.exr --layer specular --size 100x80
 sheen render s --poses transforms.json -o pictures --size 80x60 --format exr

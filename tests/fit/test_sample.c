@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // test_sample.c - every stage on the sample session, against its truth: what a newcomer's `make demo` does.
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 
 #include "base/pose3.h"
 #include "calib/calibrate_session.h"
@@ -125,25 +123,6 @@ static void check_surroundings(const sheen_session *s)
     sheen_model_release(&m);
 }
 
-// No room for the pictures: a sentence, nothing lost (a sanitizer sees leaks), no evaluation.
-static void check_no_room(const sheen_session *s)
-{
-    sheen_err err;
-    sheen_evaluation e;
-    const sheen_evaluate_session_options o = {0};
-    struct rlimit limit, old;
-    assert_int_equal(getrlimit(RLIMIT_FSIZE, &old), 0);
-    limit = old;
-    limit.rlim_cur = 20000;
-    void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
-    assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
-    const sheen_status status = sheen_evaluate_session(&e, s, &o, &err);
-    assert_int_equal(setrlimit(RLIMIT_FSIZE, &old), 0);
-    signal(SIGXFSZ, handler);
-    assert_fails(status, err, SHEEN_EIO, ".png");
-    assert_false(sheen_session_has(s, SHEEN_SESSION_EVALUATION) || sheen_session_has(s, ".evaluation.new"));
-}
-
 static void from_frames_to_scores(void **state)
 {
     char path[TEST_PATH_MAX];
@@ -171,7 +150,6 @@ static void from_frames_to_scores(void **state)
     assert_true(f.converged);
     assert_true(sheen_fit_is_current(&s));
     sheen_fit_summary_release(&f);
-    check_no_room(&s);
     check_scores(&s, 5, 0.8);
 
     assert_ok(sheen_fit_session(&f, &s, SHEEN_FIT_REFINED, &fo, &err), err);
