@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// bench_scenes.c - every method on exact scenes, a row each: what is recovered, and how well held-out views are predicted.
+//
+//     bench_scenes [--method NAME] [--seeds FIRST-LAST] [--size SHARE] [--pictures DIR] [SCENE...]
+//
+// Columns: sigma's error; lights found of six; worst direction (minutes of arc), distance and strength of those; PSNR of the
+// specular layer (linear) and of a black one; PSNR of the composite (sRGB), of the model's diffuse layer under the true
+// specular one, and of the model's specular layer over the true diffuse one. Processor seconds of the fit end the row.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/image_file.h"
+#include "fit/method.h"
+#include "tests/fit/exact_score.h"
+#include "tests/support.h"
+
+typedef struct arguments {
+    const char *method, *pictures;
+    int first, last;
+    double size;
+} arguments;
+
+static double cpu_s(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void save(const arguments *a, const char *name, const sheen_image *image)
+{
+    char path[600];
+    sheen_err err;
+    snprintf(path, sizeof path, "%s/%s.png", a->pictures, name);
+    assert_ok(sheen_png_write_srgb(path, image, &err), err);
+}
+
+static void fit_scene(const arguments *a, const exact_scene *s, const char *label, sheen_fit_method method)
+{
+    sheen_paper_fit f;
+    sheen_err err;
+    exact_score score;
+    const sheen_paper_options o = {0};
+    const double start_s = cpu_s();
+    if (sheen_fit_make(&f, method, SHEEN_MOVING_CAMERA, &s->mesh, &s->inputs, &o, &err)) {
+        printf("%-22s %-9s %s\n", label, sheen_fit_method_name(method), err.msg);
+        return;
+    }
+    const double fit_s = cpu_s() - start_s;
+    exact_score_model(&score, s, &f.model);
+    exact_score_print(stdout, label, sheen_fit_method_name(method), &score);
+    printf("%60s %zu lights, %.1f CPU s\n", "", f.model.lights.count, fit_s);
+    (void)a;
+    sheen_paper_fit_release(&f);
+}
+
+static void run_scene(const arguments *a, const char *name, int seed)
+{
+    exact_options o;
+    exact_scene s;
+    char label[80];
+    if (!exact_scene_options(&o, name, (uint64_t)seed)) {
+        printf("no scene '%s'\n", name);
+        exit(2);
+    }
+    o.size = a->size;
+    snprintf(label, sizeof label, "%s %d", name, seed);
+    exact_scene_make(&s, &o);
+    if (a->pictures)
+        save(a, label, &s.inputs.photos[0].image);
+    for (int m = 0; m < SHEEN_FIT_METHOD_COUNT; m++)
+        if (!a->method || !strcmp(a->method, sheen_fit_method_name((sheen_fit_method)m)))
+            fit_scene(a, &s, label, (sheen_fit_method)m);
+    exact_scene_release(&s);
+}
+
+int main(int argc, char **argv)
+{
+    arguments a = {.first = 1, .last = 1, .size = 1};
+    const char *chosen[64];
+    int n_chosen = 0;
+    for (int i = 1; i < argc; i++) {
+        if (!strcmp(argv[i], "--method") && i + 1 < argc)
+            a.method = argv[++i];
+        else if (!strcmp(argv[i], "--pictures") && i + 1 < argc)
+            a.pictures = argv[++i];
+        else if (!strcmp(argv[i], "--size") && i + 1 < argc)
+            a.size = strtod(argv[++i], NULL);
+        else if (!strcmp(argv[i], "--seeds") && i + 1 < argc) {
+            char *end;
+            a.first = a.last = (int)strtol(argv[++i], &end, 10);
+            if (*end == '-')
+                a.last = (int)strtol(end + 1, NULL, 10);
+        } else if (n_chosen < 64)
+            chosen[n_chosen++] = argv[i];
+    }
+    if (!n_chosen)
+        while (exact_scene_names[n_chosen]) {
+            chosen[n_chosen] = exact_scene_names[n_chosen];
+            n_chosen++;
+        }
+    exact_score_print_heading(stdout);
+    for (int i = 0; i < n_chosen; i++)
+        for (int seed = a.first; seed <= a.last; seed++)
+            run_scene(&a, chosen[i], seed);
+    return 0;
+}
