@@ -126,6 +126,17 @@ double sheen_rt_angle_rad(const double rt_A_B[6], const double rt_A_C[6])
     return sheen_norm(rt_B_C);
 }
 
+void sheen_r_left_jacobian(double L[3][3], const double r[3])
+{
+    const double th2 = sheen_dot(r, r), th = sqrt(th2);
+    const double a = th < 1e-4 ? 0.5 - th2 / 24 : (1 - cos(th)) / th2;
+    const double b = th < 1e-4 ? 1.0 / 6 - th2 / 120 : (th - sin(th)) / (th2 * th);
+    const double K[3][3] = {{0, -r[2], r[1]}, {r[2], 0, -r[0]}, {-r[1], r[0], 0}};
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            L[i][j] = (i == j) + a * K[i][j] + b * (r[i] * r[j] - (i == j ? th2 : 0));
+}
+
 static void inverse_transpose(double out[3][3], const double M[3][3], double *det)
 {
     for (int i = 0; i < 3; i++)

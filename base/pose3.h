@@ -31,6 +31,10 @@ void sheen_Rt_direction(double v_A[3], const sheen_Rt *Rt_A_B, const double v_B[
 // Angle of the rotation between two poses, and distance between their origins.
 double sheen_rt_angle_rad(const double rt_A_B[6], const double rt_A_C[6]);
 
+// The left Jacobian L of the rotation r: exp(r + dr) = exp(L dr) exp(r) to first order, so that a change dr of
+// a Rodrigues vector turns by w = L dr, in frame A.
+void sheen_r_left_jacobian(double L[3][3], const double r_A_B[3]);
+
 // The rotation nearest (in the Frobenius norm) to a 3x3 matrix which is one up to
 // rounding, by Newton's iteration of the polar decomposition. False, and R untouched,
 // where the matrix is further than `tolerance` (per element) from any rotation, is not

@@ -6,6 +6,7 @@
 #include "cli/commands.h"
 #include "cli/stages.h"
 #include "pose/pose_session.h"
+#include "pose/turntable_session.h"
 
 void sheen_cli_say_poses(sheen_cli *cli, const sheen_pose_summary *p, const sheen_poses *poses)
 {
@@ -41,6 +42,65 @@ static void check_limit(sheen_cli *cli, const sheen_poses *poses, double max_rms
         }
 }
 
+static const double DEG_PER_RAD = 57.29577951308232;
+
+static void say_gain(sheen_cli *cli, const sheen_session_turntable *t)
+{
+    const sheen_turntable_gain *g = &t->gain;
+    if (!t->has_gain) {
+        sheen_cli_say(cli, "  commanded against measured: %s", t->reason);
+        return;
+    }
+    sheen_cli_say(
+        cli, "  commanded against measured: %.5f +- %.5f degrees a degree, rms %.4f degrees, worst %.4f (%s)",
+        g->gain, g->sigma_gain, DEG_PER_RAD * g->rms_rad, DEG_PER_RAD * g->worst_rad,
+        t->frames[g->i_worst]->name);
+    sheen_json_put_number(&cli->out, "gain", g->gain);
+    sheen_json_put_number(&cli->out, "sigma_gain", g->sigma_gain);
+    sheen_json_put_number(&cli->out, "asked_rms_deg", DEG_PER_RAD * g->rms_rad);
+}
+
+// The turntable, as the boards show it.
+static void say_turntable(sheen_cli *cli, const sheen_session *s, const sheen_poses *poses)
+{
+    sheen_session_turntable t;
+    sheen_err why = {0};
+    if (sheen_session_turntable_find(&t, s, poses, &why)) {
+        sheen_cli_say(cli, "turntable: %s", why.msg);
+        return;
+    }
+    sheen_cli_say(
+        cli,
+        "turntable: axis known to %.4f degrees and %.3f mm from %zu of %zu frames; poses scatter %.1f "
+        "times what is predicted",
+        DEG_PER_RAD * t.table.sigma_axis_rad, 1e3 * t.table.sigma_origin_m, t.table.n_used, t.table.n_views,
+        t.table.scatter);
+    sheen_json_open(&cli->out, "turntable", '{');
+    sheen_json_put_numbers(&cli->out, "rt_cam_table", t.table.rt_cam_table, 6);
+    sheen_json_put_numbers(&cli->out, "rt_table_board", t.table.rt_table_board, 6);
+    sheen_json_put_number(&cli->out, "sigma_axis_deg", DEG_PER_RAD * t.table.sigma_axis_rad);
+    sheen_json_put_number(&cli->out, "sigma_origin_m", t.table.sigma_origin_m);
+    sheen_json_put_number(&cli->out, "scatter", t.table.scatter);
+    say_gain(cli, &t);
+    sheen_json_open(&cli->out, "views", '[');
+    for (size_t i = 0; i < t.table.n_views; i++) {
+        const sheen_turntable_view *v = &t.table.views[i];
+        if (!v->used)
+            sheen_cli_say(cli, "  left out: %s does not turn about the axis of the others (%.0f sigma)",
+                          t.frames[i]->name, v->misfit);
+        sheen_json_open(&cli->out, NULL, '{');
+        sheen_json_put_string(&cli->out, "frame", t.frames[i]->name);
+        sheen_json_put_bool(&cli->out, "used", v->used);
+        sheen_json_put_number(&cli->out, "angle_deg", DEG_PER_RAD * v->angle_rad);
+        sheen_json_put_number(&cli->out, "sigma_deg", DEG_PER_RAD * v->sigma_rad);
+        sheen_json_put_number(&cli->out, "asked_deg", DEG_PER_RAD * t.asked_rad[i]);
+        sheen_json_close(&cli->out);
+    }
+    sheen_json_close(&cli->out);
+    sheen_json_close(&cli->out);
+    sheen_session_turntable_release(&t);
+}
+
 static sheen_status run(sheen_cli *cli, sheen_err *err)
 {
     double max_rms_px = (double)INFINITY;
@@ -66,6 +126,8 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
     sheen_cli_clear_bar(cli);
     if (!st) {
         sheen_cli_say_poses(cli, &summary, &poses);
+        if (s.moving == SHEEN_MOVING_OBJECT)
+            say_turntable(cli, &s, &poses);
         check_limit(cli, &poses, max_rms_px);
     }
     sheen_poses_release(&poses);

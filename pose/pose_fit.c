@@ -198,18 +198,6 @@ sheen_status sheen_pose_errors(double *error_px, const double rt_cam_board[6], c
     return s;
 }
 
-// The left Jacobian of the rotation: exp(r + dr) = exp(L dr) exp(r) to first order, so w = L dr.
-static void left_jacobian(double L[3][3], const double r[3])
-{
-    const double th2 = sheen_dot(r, r), th = sqrt(th2);
-    const double a = th < 1e-4 ? 0.5 - th2 / 24 : (1 - cos(th)) / th2;
-    const double b = th < 1e-4 ? 1.0 / 6 - th2 / 120 : (th - sin(th)) / (th2 * th);
-    const double K[3][3] = {{0, -r[2], r[1]}, {r[2], 0, -r[0]}, {-r[1], r[0], 0}};
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            L[i][j] = (i == j) + a * K[i][j] + b * (r[i] * r[j] - (i == j ? th2 : 0));
-}
-
 sheen_status sheen_pose_covariance(double covariance[36], const double rt_cam_board[6], double sigma_px,
                                    const sheen_camera *camera, sheen_pose_points *points, sheen_err *err)
 {
@@ -221,7 +209,7 @@ sheen_status sheen_pose_covariance(double covariance[36], const double rt_cam_bo
         return s;
     normal_equations(A, b, &Rt, points);
     // J'J in (r, t): T' A T with T = diag(L, I)
-    left_jacobian(L, rt_cam_board);
+    sheen_r_left_jacobian(L, rt_cam_board);
     double T[6][6] = {{0}};
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++)
