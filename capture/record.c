@@ -32,16 +32,16 @@ static const sheen_frame_info *find_copy(const sheen_session *s, const sheen_fra
 // The mask goes first: once the frame counts, its mask is there.
 static sheen_status add(sheen_session *s, sheen_frame *frame, sheen_err *err)
 {
-    sheen_frame_info info = frame->info;
-    if (!info.name[0] || sheen_session_find(s, info.name))
-        sheen_session_next_name(s, info.name);
+    sheen_frame_info *info = &frame->info;
+    if (!info->name[0] || sheen_session_find(s, info->name))
+        sheen_session_next_name(s, info->name);
     if (frame->mask) {
-        const sheen_status st = sheen_session_add_mask(s, SHEEN_SESSION_MASKS, info.name, frame->mask,
+        const sheen_status st = sheen_session_add_mask(s, SHEEN_SESSION_MASKS, info->name, frame->mask,
                                                        frame->mask_bytes, err);
         if (st)
             return st;
     }
-    return sheen_session_add_frame(s, &info, frame->extension, frame->data, frame->size_bytes, err);
+    return sheen_session_add_frame(s, info, frame->extension, frame->data, frame->size_bytes, err);
 }
 
 // The next frame. It waits a little at a time, so that the caller can stop; what counts as no answer is a time in which
@@ -68,49 +68,84 @@ static sheen_status next_frame(sheen_frame *frame, recording *r, sheen_err *err)
     }
 }
 
-// Frames go by until one is wanted; then until one that was exposed after that moment. Where a camera does not say when
-// a frame was exposed, those that may have waited in its buffers pass first.
-static sheen_status wanted_frame(sheen_frame *frame, recording *r, sheen_err *err)
+// Since when a frame is wanted: asks between frames until the policy says so.
+static sheen_status ask(int64_t *since_ns, recording *r, sheen_err *err)
 {
-    const sheen_record_options *o = r->options;
+    const sheen_record_policy *p = &r->options->policy;
+    const bool asks = p->ask && sheen_source_is_live(r->src);
+    if (!asks)
+        *since_ns = 0;
+    return asks && *since_ns < 0 ? p->ask(p->self, since_ns, err) : SHEEN_OK;
+}
+
+// Where a camera does not say when a frame was exposed, those that may have waited in its buffers pass first.
+static bool is_after(const sheen_frame *frame, int64_t since_ns, int *n_passed)
+{
+    if (since_ns <= 0)
+        return since_ns == 0;
+    return frame->info.t_ns < 0 ? (*n_passed)++ >= MAX_WAITING : frame->info.t_ns >= since_ns;
+}
+
+static sheen_status look(sheen_frame *frame, sheen_verdict *verdict, const recording *r, sheen_err *err)
+{
+    const sheen_record_policy *p = &r->options->policy;
+    *verdict = p->look || p->ask ? SHEEN_VERDICT_TAKE : SHEEN_VERDICT_OFFER;
+    return p->look ? p->look(p->self, frame, verdict, err) : SHEEN_OK;
+}
+
+// Frames go by until one is wanted; then until one that was exposed after that moment and that the policy likes.
+static sheen_status wanted_frame(sheen_frame *frame, sheen_verdict *verdict, recording *r, sheen_err *err)
+{
     int64_t since_ns = -1;
     int n_passed = 0;
     for (;;) {
-        sheen_status st = next_frame(frame, r, err);
-        if (st || !o->wanted || !sheen_source_is_live(r->src))
+        sheen_status st = ask(&since_ns, r, err);
+        if (!st)
+            st = next_frame(frame, r, err);
+        if (st)
             return st;
-        if (since_ns < 0)
-            since_ns = o->wanted(o->self);
-        if (since_ns >= 0 &&
-            (frame->info.t_ns < 0 ? n_passed++ >= MAX_WAITING : frame->info.t_ns >= since_ns))
-            return SHEEN_OK;
-        st = sheen_progress_step(&o->progress, "recording", r->done, r->total, err);
+        if (is_after(frame, since_ns, &n_passed)) {
+            st = look(frame, verdict, r, err);
+            if (st || *verdict != SHEEN_VERDICT_PASS)
+                return st;
+        }
+        st = sheen_progress_step(&r->options->progress, "recording", r->done, r->total, err);
         if (st)
             return st;
     }
+}
+
+static sheen_status tell(const recording *r, const sheen_frame_info *info, sheen_err *err)
+{
+    const sheen_record_policy *p = &r->options->policy;
+    return p->stored ? p->stored(p->self, info, err) : SHEEN_OK;
 }
 
 static sheen_status record_one(recording *r, sheen_record_report *report, sheen_err *err)
 {
     const sheen_record_options *o = r->options;
     sheen_frame frame;
+    sheen_verdict verdict;
     char digest[33];
-    sheen_status st = wanted_frame(&frame, r, err);
+    sheen_status st = wanted_frame(&frame, &verdict, r, err);
     if (!st && o->check)
-        st = o->check(o->self, &frame, err);
+        st = o->check(o->check_self, &frame, err);
     if (st)
         return st;
     if (o->set_role)
         frame.info.role = o->role;
     sheen_digest(digest, frame.data, frame.size_bytes);
-    if (!sheen_source_is_live(r->src) && find_copy(r->session, &frame, digest)) {
+    const sheen_frame_info *copy = sheen_source_is_live(r->src) ? NULL
+                                                                : find_copy(r->session, &frame, digest);
+    if (copy) {
         report->n_present++;
-        return SHEEN_OK;
+        return tell(r, copy, err);
     }
     st = add(r->session, &frame, err);
-    if (!st)
-        report->n_recorded++;
-    return st;
+    if (st)
+        return st;
+    report->n_recorded++;
+    return tell(r, &frame.info, err);
 }
 
 // Frames that are asked for, 0 where nobody can tell.
@@ -136,7 +171,7 @@ sheen_status sheen_record(sheen_session *session, sheen_source *src, const sheen
         r.done = (int)(report->n_recorded + report->n_present);
     }
     if (st == SHEEN_EEND)
-        st = r.done ? SHEEN_OK : sheen_fail(&e, SHEEN_EDATA, "the source gave no frame");
+        st = r.done ? SHEEN_OK : sheen_wrap(&e, SHEEN_EDATA, "no frame was recorded");
     if (!st)
         st = sheen_progress_step(&options->progress, "recording", r.done, r.total, &e);
     if (st && err)

@@ -11,19 +11,43 @@
 extern "C" {
 #endif
 
+// What becomes of a frame that a policy has looked at.
+typedef enum sheen_verdict {
+    SHEEN_VERDICT_PASS,  // not this one
+    SHEEN_VERDICT_OFFER, // record it if the disk keeps up with the camera
+    SHEEN_VERDICT_TAKE,  // record it: once taken it is not lost
+} sheen_verdict;
+
+// Which frames of a live source are recorded. One is taken like this:
+//     ask     until it says since when a frame is wanted
+//     look    at each frame whose exposure began after that, until it says OFFER or TAKE
+//     stored  once that frame is safe on the disk
+// All are called by the thread that called sheen_record; each may be NULL. What they return other than OK ends the
+// recording (with their sentence; SHEEN_EEND: as it should end). Every frame that they see is proven and settled where
+// the source proves its frames (docs/capture.md).
+typedef struct sheen_record_policy {
+    void *self;
+    // Between frames: *since_ns, CLOCK_MONOTONIC, is when the wanted frame was asked for, or -1: not yet, look again
+    // after the next frame. It may take its time (a turntable that moves): what the camera delivers meanwhile is old
+    // and is passed over. NULL: every frame is wanted.
+    sheen_status (*ask)(void *self, int64_t *since_ns, sheen_err *err);
+    // *verdict comes as TAKE. It may set frame->info.role and the turntable's angles. NULL: the first one is taken
+    // (offered where there is no `ask`: a recording of all that comes).
+    sheen_status (*look)(void *self, sheen_frame *frame, sheen_verdict *verdict, sheen_err *err);
+    // The frame as it stands in the session now. One that was there already (a replay) is told, too.
+    sheen_status (*stored)(void *self, const sheen_frame_info *info, sheen_err *err);
+} sheen_record_policy;
+
 typedef struct sheen_record_options {
     size_t count;   // stop after so many frames; 0: when the source ends
     int timeout_ms; // longest wait for a sign of life of the source; 0: 10 s
     bool set_role;  // give every frame `role` instead of the source's own
     sheen_role role;
-    // Of a live source: asked between its frames whether the next one is wanted; returns when it was asked for, in
-    // CLOCK_MONOTONIC nanoseconds, or -1. The frame recorded then is the first whose exposure began after that.
-    // NULL: every frame is wanted.
-    int64_t (*wanted)(void *self);
-    // Looks at a frame before it is recorded. What it returns (with its sentence) other than OK ends the recording
-    // without that frame. NULL: none.
+    sheen_record_policy policy; // of a recording every frame is recorded; only `look` and `stored` are called
+    // Looks at a frame that is about to be recorded, whatever the policy. What it returns (with its sentence) other
+    // than OK ends the recording without that frame. NULL: none.
     sheen_status (*check)(void *self, const sheen_frame *frame, sheen_err *err);
-    void *self;              // for both
+    void *check_self;
     sheen_progress progress; // step "recording": done of total frames, total 0 where it is not known
 } sheen_record_options;
 
@@ -32,9 +56,9 @@ typedef struct sheen_record_report {
     size_t n_present;  // frames that it had already, and that were not recorded twice
 } sheen_record_report;
 
-// Records until the source ends or `count` frames came (each frame of a live source is a new one). A frame that the session has already (same origin, sequence
-// number and digest, and same name where the source names it) counts as recorded. A frame's name is the source's
-// where that is free, else the next number. Each frame is complete on the disk before the next is asked for, so
+// Records until the source ends, the policy does, or `count` frames came (each frame of a live source is a new one). A
+// frame that the session has already (same origin, sequence number and digest, and same name where the source names
+// it) counts as recorded. A frame's name is the source's where that is free, else the next number. Each frame is complete on the disk before the next is asked for, so
 // that a power cut loses at most the one in flight; *report is right also when it fails.
 // ETIMEOUT, ENODEV, ECANCEL, EIO (disk), EDATA (the source gave none), and what the source reports.
 sheen_status sheen_record(sheen_session *session, sheen_source *src, const sheen_record_options *options,

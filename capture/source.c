@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/image_file.h"
 #include "capture/source_backend.h"
 
 struct sheen_source {
@@ -83,6 +84,14 @@ sheen_status sheen_source_next(sheen_source *src, int timeout_ms, sheen_frame *f
     if (atomic_load(&src->stopped))
         return sheen_fail(err, SHEEN_ECANCEL, "the source was stopped");
     return src->backend->next(src->self, timeout_ms, frame, err);
+}
+
+sheen_status sheen_frame_develop(sheen_raster *out, const sheen_frame *frame, sheen_err *err)
+{
+    const sheen_frame_info *f = &frame->info;
+    const sheen_pixel_layout layout = {f->fourcc, f->width_px, f->height_px, f->stride_bytes, f->color};
+    return f->fourcc ? sheen_pixels_develop(out, frame->data, frame->size_bytes, &layout, err)
+                     : sheen_raster_parse(out, frame->data, frame->size_bytes, err);
 }
 
 int64_t sheen_source_count(const sheen_source *src)

@@ -55,6 +55,9 @@ sheen_status sheen_source_open(sheen_source **src_out, const char *uri, sheen_er
 // ENODEV (unplugged), ECANCEL (sheen_source_stop was called), EIO, EFORMAT, ENOMEM.
 sheen_status sheen_source_next(sheen_source *src, int timeout_ms, sheen_frame *frame, sheen_err *err);
 
+// The frame's picture, its curve left as it is. EFORMAT, EUNSUP, ENOMEM.
+sheen_status sheen_frame_develop(sheen_raster *out, const sheen_frame *frame, sheen_err *err);
+
 // How many frames it has in all, -1 where that is not known (a camera).
 int64_t sheen_source_count(const sheen_source *src);
 

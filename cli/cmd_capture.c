@@ -86,13 +86,6 @@ static void report(sheen_cli *cli, const sheen_session *s, const sheen_record_re
     sheen_json_put_int(&cli->out, "present_frames", (long long)r->n_present);
 }
 
-// By hand the person ends it, with q or Ctrl-C: that is how it is meant to end.
-static bool step_by_hand(void *self, const char *what, int done, int total)
-{
-    const sheen_progress p = sheen_cli_progress(self);
-    return !sheen_cli_shutter_ended() && p.step(p.self, what, done, total);
-}
-
 static sheen_status record(sheen_cli *cli, capture_args *a, sheen_session *s, sheen_source *src,
                            sheen_record_report *r, sheen_err *err)
 {
@@ -103,16 +96,15 @@ static sheen_status record(sheen_cli *cli, capture_args *a, sheen_session *s, sh
     if (st)
         return st;
     a->o.check = sheen_cli_white_check;
-    a->o.self = &white;
+    a->o.check_self = &white;
     if (a->by_hand) {
         sheen_cli_shutter_open();
-        a->o.wanted = sheen_cli_shutter;
-        a->o.progress.step = step_by_hand;
+        a->o.policy.ask = sheen_cli_shutter_ask;
         sheen_cli_say(cli, "Enter takes a frame (kill -USR1 %ld, too), q ends", (long)getpid());
     }
     st = sheen_record(s, src, &a->o, r, err);
     sheen_cli_clear_bar(cli);
-    if (st == SHEEN_ECANCEL && a->by_hand && r->n_recorded)
+    if (st == SHEEN_ECANCEL && a->by_hand && r->n_recorded) // Ctrl-C ends it as q does
         st = SHEEN_OK;
     if (!st) {
         report(cli, s, r, &white);

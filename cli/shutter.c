@@ -51,11 +51,17 @@ static bool read_enter(void)
     return enter;
 }
 
-int64_t sheen_cli_shutter(void *unused)
+int64_t sheen_cli_shutter(void)
 {
-    (void)unused;
     const int64_t by_signal_ns = atomic_exchange(&signalled_ns, -1);
     return read_enter() ? now_ns() : by_signal_ns;
+}
+
+sheen_status sheen_cli_shutter_ask(void *self, int64_t *since_ns, sheen_err *err)
+{
+    (void)self;
+    *since_ns = sheen_cli_shutter();
+    return ended ? sheen_fail(err, SHEEN_EEND, "the person has ended it") : SHEEN_OK;
 }
 
 bool sheen_cli_shutter_ended(void)

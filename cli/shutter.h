@@ -6,10 +6,14 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "base/status.h"
+
 // From now on SIGUSR1 asks for a frame.
 void sheen_cli_shutter_open(void);
-// For sheen_record_options.wanted, which see: the moment of the last request, once; or -1.
-int64_t sheen_cli_shutter(void *unused);
+// The moment of the last request (CLOCK_MONOTONIC nanoseconds), once; or -1.
+int64_t sheen_cli_shutter(void);
+// For sheen_record_policy.ask: a frame for each request, until no more will come (EEND). self is not looked at.
+sheen_status sheen_cli_shutter_ask(void *self, int64_t *since_ns, sheen_err *err);
 // True once no more will be asked for.
 bool sheen_cli_shutter_ended(void);
 

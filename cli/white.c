@@ -8,8 +8,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/image_file.h"
-
 enum { MAX_PATCHES = 1024 };
 
 sheen_status sheen_cli_white_init(sheen_cli_white *w, const sheen_session *s, sheen_err *err)
@@ -77,14 +75,6 @@ bool sheen_cli_white_measure(float rgb[3], const sheen_raster *r, sheen_transfer
     return n > 0;
 }
 
-static sheen_status develop(sheen_raster *out, const sheen_frame *frame, sheen_err *err)
-{
-    const sheen_frame_info *f = &frame->info;
-    const sheen_pixel_layout layout = {f->fourcc, f->width_px, f->height_px, f->stride_bytes, f->color};
-    return f->fourcc ? sheen_pixels_develop(out, frame->data, frame->size_bytes, &layout, err)
-                     : sheen_raster_parse(out, frame->data, frame->size_bytes, err);
-}
-
 sheen_status sheen_cli_white_check(void *self, const sheen_frame *frame, sheen_err *err)
 {
     sheen_cli_white *w = self;
@@ -94,7 +84,7 @@ sheen_status sheen_cli_white_check(void *self, const sheen_frame *frame, sheen_e
     float rgb[3];
     if (!w->detector)
         return SHEEN_OK;
-    sheen_status s = develop(&r, frame, err);
+    sheen_status s = sheen_frame_develop(&r, frame, err);
     if (s)
         return s;
     uint8_t *grey = malloc((size_t)r.width_px * (size_t)r.height_px);

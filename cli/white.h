@@ -19,7 +19,7 @@ typedef struct sheen_cli_white {
 // Reads the session's board. Where it has none, nothing is watched (detector NULL), which is success.
 sheen_status sheen_cli_white_init(sheen_cli_white *w, const sheen_session *s, sheen_err *err);
 void sheen_cli_white_release(sheen_cli_white *w);
-// For sheen_record_options.check; self is the sheen_cli_white. EDATA where the light has changed.
+// For sheen_record_options.check; check_self is the sheen_cli_white. EDATA where the light has changed.
 sheen_status sheen_cli_white_check(void *self, const sheen_frame *frame, sheen_err *err);
 
 // The median light of the white about the tags, in linear RGB. False where no tag was seen.

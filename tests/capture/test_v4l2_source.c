@@ -424,10 +424,16 @@ static void a_locked_camera_survives_any_call_that_fails(void **state)
         }
 }
 
-static int64_t asked_for(void *self)
+static int64_t asked_for(const fake_v4l2 *f)
 {
-    const fake_v4l2 *f = self;
     return f->n_frames >= 9 ? 1000000000 + 9 * f->interval_ns + f->interval_ns / 2 : -1;
+}
+
+static sheen_status ask(void *self, int64_t *since_ns, sheen_err *err)
+{
+    (void)err;
+    *since_ns = asked_for(self);
+    return SHEEN_OK;
 }
 
 static void a_frame_that_was_asked_for_was_exposed_after_that(void **state)
@@ -442,7 +448,7 @@ static void a_frame_that_was_asked_for_was_exposed_after_that(void **state)
         f.faults.stamps_none = stamps;
         make_session(&s, state, stamps ? "none" : "stamped");
         open_fake(&src, &f, UNLOCKED);
-        const sheen_record_options options = {.count = 1, .wanted = asked_for, .self = &f};
+        const sheen_record_options options = {.count = 1, .policy = {.self = &f, .ask = ask}};
         assert_ok(sheen_record(&s, src, &options, &report, &err), err);
         assert_int_equal(s.n_frames, 1);
         if (stamps)
