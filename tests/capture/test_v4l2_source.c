@@ -476,7 +476,7 @@ static void plays_a_recorded_session_byte_by_byte(void **state)
     assert_ok(sheen_record(&a, src, &options, &report, &err), err);
     close_clean(&src, &f);
     fake_v4l2_init(&g);
-    fake_v4l2_play(&g, &a);
+    assert_ok(fake_v4l2_play(&g, &a, &err), err);
     open_fake(&src, &g, UNLOCKED);
     assert_ok(sheen_record(&b, src, &options, &report, &err), err);
     close_clean(&src, &g);
