@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// gbuffer.c - what a camera sees of a mesh: one ray a sample, through the full lens model.
+// gbuffer.c - what a camera sees of a mesh, through the full lens model.
 //
-// Only a window round the projected vertices is traced. Rays go to the tracer in tiles of 4 x 4 samples,
-// which stay together in its structure better than rows do.
+// A pinhole's picture is drawn triangle by triangle (raster.c); any other lens, and a mesh that reaches behind
+// the camera, takes one ray a sample. Only a window round the projected vertices is looked at. Rays go to the
+// tracer in tiles of 4 x 4 samples, which stay together in its structure better than rows do.
 #include "render/gbuffer.h"
 
 #include <math.h>
@@ -14,6 +15,7 @@
 #include "base/pose3.h"
 #include "base/vec.h"
 #include "render/pixel_rays.h"
+#include "render/raster.h"
 
 enum { TILE = 4, BAND_COLUMNS = 64, PROJECT_AT_ONCE = 512, MAX_SAMPLES_PER_SIDE = 16 };
 
@@ -23,7 +25,7 @@ typedef struct box {
     bool any_before, any_behind; // of the camera
 } box;
 
-static sheen_status project_vertices(double *q_px, const sheen_mesh *mesh, const sheen_camera *cam,
+static sheen_status project_vertices(sheen_projected *at, const sheen_mesh *mesh, const sheen_camera *cam,
                                      const double rt_cam_obj[6], sheen_err *err)
 {
     sheen_Rt Rt_cam_obj;
@@ -36,8 +38,9 @@ static sheen_status project_vertices(double *q_px, const sheen_mesh *mesh, const
             const float *p = mesh->p_obj + 3 * (begin + i);
             const double p_obj[3] = {(double)p[0], (double)p[1], (double)p[2]};
             sheen_Rt_point(p_cam[i], &Rt_cam_obj, p_obj);
+            at->inverse_z_m[begin + i] = 1 / p_cam[i][2];
         }
-        const sheen_status s = sheen_camera_project(cam, q_px + 2 * begin, NULL, p_cam[0], n, err);
+        const sheen_status s = sheen_camera_project(cam, at->q_px + 2 * begin, NULL, p_cam[0], n, err);
         if (s)
             return s;
     }
@@ -61,12 +64,13 @@ static box box_of(const double *q_px, const sheen_mesh *mesh, bool pinhole)
             }
             b.any_before = true;
             for (int k = 0; k < 2; k++) {
-                b.min[k] = fmin(b.min[k], q[k]);
-                b.max[k] = fmax(b.max[k], q[k]);
+                b.min[k] = q[k] < b.min[k] ? q[k] : b.min[k];
+                b.max[k] = q[k] > b.max[k] ? q[k] : b.max[k];
             }
-            longest = fmax(longest, hypot(next[0] - q[0], next[1] - q[1]));
+            if (!pinhole)
+                longest = fmax(longest, hypot(next[0] - q[0], next[1] - q[1]));
         }
-    const double margin_px = 1 + (pinhole ? 0 : longest / 4);
+    const double margin_px = 1 + longest / 4;
     for (int k = 0; k < 2; k++) {
         b.min[k] -= margin_px;
         b.max[k] += margin_px;
@@ -82,27 +86,19 @@ static void clip(int *first, int *count, double min, double max, int side)
     *count = high > low ? (int)(high - low) : 0;
 }
 
-static sheen_status set_window(sheen_gbuffer *g, const sheen_mesh *mesh, const sheen_camera *cam,
-                               const double rt_cam_obj[6], sheen_err *err)
+static void set_window(sheen_gbuffer *g, const sheen_mesh *mesh, const sheen_camera *cam,
+                       const sheen_projected *at)
 {
-    double *q_px = malloc(mesh->n_vertices * 2 * sizeof *q_px);
-    if (!q_px)
-        return sheen_fail_memory(err, 16.0 * (double)mesh->n_vertices, "the mesh's projection");
-    const sheen_status s = project_vertices(q_px, mesh, cam, rt_cam_obj, err);
-    if (!s) {
-        const box b = box_of(q_px, mesh, !strcmp(cam->lensmodel, "LENSMODEL_PINHOLE"));
-        if (b.any_before && b.any_behind) { // a triangle through the camera's plane may be seen anywhere
-            g->width_px = cam->width_px;
-            g->height_px = cam->height_px;
-        } else if (b.any_before) {
-            clip(&g->x0_px, &g->width_px, b.min[0], b.max[0], cam->width_px);
-            clip(&g->y0_px, &g->height_px, b.min[1], b.max[1], cam->height_px);
-        }
-        if (!g->width_px || !g->height_px)
-            g->width_px = g->height_px = 0;
+    const box b = box_of(at->q_px, mesh, !strcmp(cam->lensmodel, "LENSMODEL_PINHOLE"));
+    if (b.any_before && b.any_behind) { // a triangle through the camera's plane may be seen anywhere
+        g->width_px = cam->width_px;
+        g->height_px = cam->height_px;
+    } else if (b.any_before) {
+        clip(&g->x0_px, &g->width_px, b.min[0], b.max[0], cam->width_px);
+        clip(&g->y0_px, &g->height_px, b.min[1], b.max[1], cam->height_px);
     }
-    free(q_px);
-    return s;
+    if (!g->width_px || !g->height_px)
+        g->width_px = g->height_px = 0;
 }
 
 typedef struct job {
@@ -147,47 +143,104 @@ static void trace_bands(void *self, size_t begin, size_t end)
     }
 }
 
-sheen_status sheen_gbuffer_make(sheen_gbuffer *out, const sheen_scene *scene, const sheen_mesh *mesh,
-                                const sheen_camera *cam, const double rt_cam_obj[6], int samples_per_side,
-                                int n_threads, sheen_err *err)
+// One ray a sample.
+static sheen_status trace(sheen_gbuffer *g, const sheen_scene *scene, const sheen_camera *cam,
+                          const double rt_cam_obj[6], int n_threads, sheen_err *err)
 {
-    *out = (sheen_gbuffer){.samples_per_side = samples_per_side};
+    sheen_pixel_rays rays;
+    const int window_px[4] = {g->x0_px, g->y0_px, g->width_px, g->height_px};
+    const sheen_status s = sheen_pixel_rays_init(&rays, cam, rt_cam_obj, window_px, n_threads, err);
+    if (s)
+        return s;
+    job j = {.g = g, .scene = scene, .rays = &rays};
+    for (int k = 0; k < 3; k++)
+        j.origin_obj[k] = (float)g->p_camera_obj[k];
+    const size_t n_bands = ((size_t)g->height_px * (size_t)g->samples_per_side + TILE - 1) / TILE;
+    sheen_parallel_for(n_bands, 4, n_threads, trace_bands, &j);
+    sheen_pixel_rays_release(&rays);
+    return SHEEN_OK;
+}
+
+static sheen_status check(const double rt_cam_obj[6], int samples_per_side, sheen_err *err)
+{
     if (samples_per_side < 1 || samples_per_side > MAX_SAMPLES_PER_SIDE)
         return sheen_fail(err, SHEEN_EARG, "%d samples a pixel's side are out of range (1 to %d)",
                           samples_per_side, MAX_SAMPLES_PER_SIDE);
     for (int i = 0; i < 6; i++)
         if (!isfinite(rt_cam_obj[i]))
             return sheen_fail(err, SHEEN_EARG, "the view's pose is not finite");
-    double rt_obj_cam[6];
-    sheen_rt_invert(rt_obj_cam, rt_cam_obj);
-    memcpy(out->p_camera_obj, rt_obj_cam + 3, sizeof out->p_camera_obj);
-    sheen_status s = set_window(out, mesh, cam, rt_cam_obj, err);
-    if (s || !out->width_px)
-        return s;
+    return SHEEN_OK;
+}
 
-    const size_t n = (size_t)samples_per_side * (size_t)samples_per_side;
-    const size_t count = (size_t)out->width_px * (size_t)out->height_px * n;
-    sheen_pixel_rays rays;
-    const int window_px[4] = {out->x0_px, out->y0_px, out->width_px, out->height_px};
-    s = sheen_pixel_rays_init(&rays, cam, rt_cam_obj, window_px, n_threads, err);
+typedef struct view {
+    const sheen_scene *scene;
+    const sheen_mesh *mesh;
+    const sheen_camera *cam;
+    const double *rt_cam_obj;
+    int n_threads;
+    bool only_rays;
+} view;
+
+static sheen_status fill(sheen_gbuffer *out, const view *v, sheen_err *err)
+{
+    const sheen_mesh *mesh = v->mesh;
+    sheen_projected at = {.q_px = malloc(mesh->n_vertices * 2 * sizeof *at.q_px),
+                          .inverse_z_m = malloc(mesh->n_vertices * sizeof *at.inverse_z_m)};
+    sheen_status s = SHEEN_OK;
+    if (!at.q_px || !at.inverse_z_m)
+        s = sheen_fail_memory(err, 24.0 * (double)mesh->n_vertices, "the mesh's projection");
+    else
+        s = project_vertices(&at, mesh, v->cam, v->rt_cam_obj, err);
     if (s)
-        return s;
-    out->hits = malloc(count * sizeof *out->hits);
-    if (!out->hits) {
-        s = sheen_fail_memory(err, 16.0 * (double)count, "a view's samples");
         goto done;
-    }
-    job j = {.g = out, .scene = scene, .rays = &rays};
-    for (int k = 0; k < 3; k++)
-        j.origin_obj[k] = (float)out->p_camera_obj[k];
-    const size_t n_bands = ((size_t)out->height_px * (size_t)samples_per_side + TILE - 1) / TILE;
-    sheen_parallel_for(n_bands, 4, n_threads, trace_bands, &j);
+    set_window(out, mesh, v->cam, &at);
+    if (!out->width_px)
+        goto done;
+    const size_t n = (size_t)out->samples_per_side * (size_t)out->samples_per_side;
+    const size_t count = (size_t)out->width_px * (size_t)out->height_px * n;
+    out->hits = malloc(count * sizeof *out->hits);
+    if (!out->hits)
+        s = sheen_fail_memory(err, 16.0 * (double)count, "a view's samples");
+    else if (!v->only_rays && sheen_raster_can(out, v->cam, mesh, &at))
+        s = sheen_raster_hits(out, mesh, v->cam, &at, v->n_threads, err);
+    else
+        s = trace(out, v->scene, v->cam, v->rt_cam_obj, v->n_threads, err);
 
 done:
-    sheen_pixel_rays_release(&rays);
+    free(at.inverse_z_m);
+    free(at.q_px);
+    return s;
+}
+
+static sheen_status make(sheen_gbuffer *out, const view *v, int samples_per_side, sheen_err *err)
+{
+    *out = (sheen_gbuffer){.samples_per_side = samples_per_side};
+    sheen_status s = check(v->rt_cam_obj, samples_per_side, err);
+    if (s)
+        return s;
+    double rt_obj_cam[6];
+    sheen_rt_invert(rt_obj_cam, v->rt_cam_obj);
+    memcpy(out->p_camera_obj, rt_obj_cam + 3, sizeof out->p_camera_obj);
+    s = fill(out, v, err);
     if (s)
         sheen_gbuffer_release(out);
     return s;
+}
+
+sheen_status sheen_gbuffer_make(sheen_gbuffer *out, const sheen_scene *scene, const sheen_mesh *mesh,
+                                const sheen_camera *cam, const double rt_cam_obj[6], int samples_per_side,
+                                int n_threads, sheen_err *err)
+{
+    const view v = {scene, mesh, cam, rt_cam_obj, n_threads, false};
+    return make(out, &v, samples_per_side, err);
+}
+
+sheen_status sheen_gbuffer_make_ref(sheen_gbuffer *out, const sheen_scene *scene, const sheen_mesh *mesh,
+                                    const sheen_camera *cam, const double rt_cam_obj[6], int samples_per_side,
+                                    int n_threads, sheen_err *err)
+{
+    const view v = {scene, mesh, cam, rt_cam_obj, n_threads, true};
+    return make(out, &v, samples_per_side, err);
 }
 
 void sheen_gbuffer_release(sheen_gbuffer *g)

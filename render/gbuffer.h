@@ -26,6 +26,10 @@ typedef struct sheen_gbuffer {
 sheen_status sheen_gbuffer_make(sheen_gbuffer *out, const sheen_scene *scene, const sheen_mesh *mesh,
                                 const sheen_camera *cam, const double rt_cam_obj[6], int samples_per_side,
                                 int n_threads, sheen_err *err);
+// The same by one ray a sample, whatever the lens.
+sheen_status sheen_gbuffer_make_ref(sheen_gbuffer *out, const sheen_scene *scene, const sheen_mesh *mesh,
+                                    const sheen_camera *cam, const double rt_cam_obj[6], int samples_per_side,
+                                    int n_threads, sheen_err *err);
 void sheen_gbuffer_release(sheen_gbuffer *g);
 
 // At a hit: point, unit interpolated normal n (turned nowhere: it may face away), and unit direction v to

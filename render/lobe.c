@@ -22,19 +22,19 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "base/cpu_level.h"
+
 // 2^-100 = 1e-30: far below every tolerance, far above denormal.
 #define EXPONENT_MAX 100.0f
 
-#define INLINE static inline __attribute__((always_inline))
-
 // a * b + c; in one rounding where the instruction set has it (constant `fused`: one of the two is compiled).
-INLINE float mad(float a, float b, float c, int fused)
+SHEEN_KERNEL_INLINE float mad(float a, float b, float c, int fused)
 {
     return fused ? __builtin_fmaf(a, b, c) : a * b + c;
 }
 
 // alpha^2 = acos(1 - x)^2 for x in 0..1.
-INLINE float alpha2_of(float x, int fused)
+SHEEN_KERNEL_INLINE float alpha2_of(float x, int fused)
 {
     float p = 9.217112091e-3f;
     p = mad(p, x, -1.05966902e-2f, fused);
@@ -47,7 +47,7 @@ INLINE float alpha2_of(float x, int fused)
 }
 
 // 2^-t for t >= 0, relative error below 2e-7; never below 1e-30.
-INLINE float exp2_minus(float t, int fused)
+SHEEN_KERNEL_INLINE float exp2_minus(float t, int fused)
 {
     const float most = EXPONENT_MAX;
     int32_t bits, most_bits;
@@ -80,8 +80,8 @@ float sheen_lobe_alpha2(const float n[3], const float v[3], const float l[3])
     return alpha2_of(0.5f * sheen_dotf(e, e), 0);
 }
 
-INLINE float sum_body(const sheen_lights *lights, const float n[3], const float v[3], float sigma_rad,
-                      int fused)
+SHEEN_KERNEL_INLINE float sum_body(const sheen_lights *lights, const float n[3], const float v[3],
+                                   float sigma_rad, int fused)
 {
     const float *restrict dx = lights->dx;
     const float *restrict dy = lights->dy;
@@ -119,14 +119,14 @@ static float sum_baseline(const sheen_lights *lights, const float n[3], const fl
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2,fma"))) static float sum_avx2(const sheen_lights *lights, const float n[3],
-                                                          const float v[3], float sigma_rad)
+SHEEN_TARGET_AVX2 static float sum_avx2(const sheen_lights *lights, const float n[3], const float v[3],
+                                        float sigma_rad)
 {
     return sum_body(lights, n, v, sigma_rad, 1);
 }
 
-__attribute__((target("avx512f,avx512vl,avx512dq,avx512bw,fma"))) static float
-sum_avx512(const sheen_lights *lights, const float n[3], const float v[3], float sigma_rad)
+SHEEN_TARGET_AVX512 static float sum_avx512(const sheen_lights *lights, const float n[3], const float v[3],
+                                            float sigma_rad)
 {
     return sum_body(lights, n, v, sigma_rad, 1);
 }
@@ -140,30 +140,18 @@ float sheen_lobe_sum_level(const sheen_lights *lights, const float n[3], const f
         return 0;
     const float inverse_cos = sheen_lobe_inverse_cos(n, v);
 #if defined(__x86_64__)
-    if (level >= 2)
+    if (level >= SHEEN_CPU_AVX512)
         return inverse_cos * sum_avx512(lights, n, v, sigma_rad);
-    if (level == 1)
+    if (level == SHEEN_CPU_AVX2)
         return inverse_cos * sum_avx2(lights, n, v, sigma_rad);
 #endif
     (void)level;
     return inverse_cos * sum_baseline(lights, n, v, sigma_rad);
 }
 
-int sheen_lobe_best_level(void)
-{
-#if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw"))
-        return 2;
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
-        return 1;
-#endif
-    return 0;
-}
-
 float sheen_lobe_sum(const sheen_lights *lights, const float n[3], const float v[3], float sigma_rad)
 {
-    return sheen_lobe_sum_level(lights, n, v, sigma_rad, sheen_lobe_best_level());
+    return sheen_lobe_sum_level(lights, n, v, sigma_rad, sheen_cpu_level());
 }
 
 // The angle by atan2 of sine and cosine: acos would lose half the digits near the highlight.

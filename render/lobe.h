@@ -41,10 +41,7 @@ static inline float sheen_lobe_inverse_cos(const float n[3], const float v[3])
 
 // sum_l weight_l exp(-alpha_l^2 / (2 sigma^2)) / cos(theta_r): eq. (7) without k_S.
 float sheen_lobe_sum(const sheen_lights *lights, const float n[3], const float v[3], float sigma_rad);
-// It is compiled for several instruction sets: 0 what every x86-64 has (or another processor), 1 AVX2, 2
-// AVX-512. The best that this processor has, and the sum at a given level up to that: for tests and
-// benchmarks.
-int sheen_lobe_best_level(void);
+// The same at a given level of instruction set up to sheen_cpu_level(): for tests and benchmarks.
 float sheen_lobe_sum_level(const sheen_lights *lights, const float n[3], const float v[3], float sigma_rad,
                            int level);
 // The same in double precision with the library's functions, term by term as written above.

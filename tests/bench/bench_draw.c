@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_draw.c - directions, visibility and whole pictures of a figure at 1280 x 960.
+// bench_draw.c - directions, visibility and whole pictures of a figure of 69,620 triangles at 1920 x 1080.
 #include "render/draw.h"
 
 #include <stdio.h>
@@ -12,7 +12,7 @@
 #include "tests/support.h"
 #include "tests/support_scene.h"
 
-enum { N_LIGHTS = 1162, T = 8 };
+enum { N_LIGHTS = 1162, T = 8, WIDTH = 1920, HEIGHT = 1080 };
 
 typedef struct job {
     sheen_model m;
@@ -32,7 +32,7 @@ static void run_rays(void *self)
     const int window_px[4] = {0, 0, j->cam.width_px, j->cam.height_px};
     if (sheen_pixel_rays_init(&rays, &j->cam, j->rt_cam_obj, window_px, 1, NULL))
         return;
-    for (int y = 0; y < j->cam.height_px; y += j->reference ? 16 : 1)
+    for (int y = 0; y < j->cam.height_px; y += j->reference ? 12 : 1)
         for (int x = 0; x < j->cam.width_px; x += 64) {
             if (j->reference)
                 sheen_pixel_rays_row_ref(&rays, v[0], x, y, 1, 64);
@@ -56,7 +56,8 @@ static void run_gbuffer(void *self)
 {
     job *j = self;
     sheen_gbuffer_release(&j->g);
-    if (sheen_gbuffer_make(&j->g, j->scene, &j->m.mesh, &j->cam, j->rt_cam_obj, j->samples, 1, NULL))
+    if ((j->reference ? sheen_gbuffer_make_ref : sheen_gbuffer_make)(&j->g, j->scene, &j->m.mesh, &j->cam,
+                                                                     j->rt_cam_obj, j->samples, 1, NULL))
         abort();
 }
 
@@ -75,7 +76,7 @@ static void fill_model(sheen_model *m)
 {
     sheen_geodesic g;
     sheen_model_init(m);
-    test_figure(&m->mesh, 40, 0.09f, 0.02f);
+    test_figure(&m->mesh, 59, 0.09f, 0.02f);
     if (sheen_geodesic_init(&g, 60, NULL) || sheen_model_set_lights(m, N_LIGHTS, NULL) ||
         sheen_texture_init(&m->texture, m->mesh.n_triangles, T, NULL))
         abort();
@@ -89,7 +90,6 @@ static void fill_model(sheen_model *m)
     for (size_t i = 0; i < m->mesh.n_triangles * sheen_texels_per_triangle(T); i++)
         m->texture.n_views[i] = 1;
     m->k_s = 1;
-    m->sigma_rad = 0.0114;
     sheen_geodesic_release(&g);
 }
 
@@ -98,33 +98,39 @@ int main(void)
     static job j;
     fill_model(&j.m);
     test_look(j.rt_cam_obj, 0.3, 0.2, 0.3);
-    if (sheen_drawing_new(&j.d, &j.m, NULL))
-        abort();
     bench("scene: building, a triangle", j.m.mesh.n_triangles, 5, run_build, &j);
     for (int lens = 0; lens < 2; lens++) {
         const char *through = lens ? "lens" : "pinhole";
         char name[80];
-        test_camera(&j.cam, 1280, 960, 1500, lens);
+        test_camera(&j.cam, WIDTH, HEIGHT, 2300, lens);
         snprintf(name, sizeof name, "rays: %s, a pixel", through);
         j.reference = 0;
-        bench(name, 1280 * 960, 10, run_rays, &j);
+        bench(name, WIDTH * HEIGHT, 10, run_rays, &j);
         snprintf(name, sizeof name, "rays: %s, a pixel, reference", through);
         j.reference = 1;
-        bench(name, 1280 * 960 / 16, 3, run_rays, &j);
+        bench(name, WIDTH * HEIGHT / 12, 3, run_rays, &j);
         for (j.samples = 1; j.samples <= 2; j.samples++) {
             run_gbuffer(&j);
             const size_t n = (size_t)(j.g.width_px * j.g.height_px * j.samples * j.samples);
-            snprintf(name, sizeof name, "gbuffer: %s, %d x %d samples, a sample", through, j.samples,
-                     j.samples);
-            bench(name, n, 10, run_gbuffer, &j);
-            snprintf(name, sizeof name, "draw: %s, %d x %d samples, a picture", through, j.samples,
-                     j.samples);
-            bench(name, 1, 10, run_draw, &j);
+            for (j.reference = 0; j.reference < (lens ? 1 : 2); j.reference++) {
+                snprintf(name, sizeof name, "gbuffer: %s%s, %d x %d samples, a sample", through,
+                         j.reference ? ", rays" : "", j.samples, j.samples);
+                bench(name, n, 10, run_gbuffer, &j);
+            }
+            static const double sigmas_rad[] = {0.0114, 0.1};
+            for (size_t i = 0; i < 2; i++) {
+                j.m.sigma_rad = sigmas_rad[i];
+                if (sheen_drawing_new(&j.d, &j.m, NULL))
+                    abort();
+                snprintf(name, sizeof name, "draw: %s, %d x %d samples, sigma %.4f, a picture", through,
+                         j.samples, j.samples, sigmas_rad[i]);
+                bench(name, 1, 10, run_draw, &j);
+                sheen_drawing_free(&j.d);
+            }
         }
     }
     sheen_gbuffer_release(&j.g);
     sheen_scene_free(&j.scene);
-    sheen_drawing_free(&j.d);
     sheen_model_release(&j.m);
     return 0;
 }

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "base/cpu_level.h"
 #include "render/geodesic.h"
 #include "tests/bench/bench.h"
 #include "tests/support.h"
@@ -121,7 +122,7 @@ int main(void)
             return 1;
         char name[64];
         j.sigma_rad = 0.0114f;
-        for (j.level = 0; j.level <= sheen_lobe_best_level(); j.level++) {
+        for (j.level = 0; j.level <= sheen_cpu_level(); j.level++) {
             snprintf(name, sizeof name, "lobe: level %d, %zu lights", j.level, j.lights.count);
             bench(name, N_BRUTE * j.lights.count, 20, run_level, &j);
         }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // test_lobe.c - the fast lobe sums agree with the formula in double precision.
 #include "render/lobe.h"
+
+#include "base/cpu_level.h"
 #include "tests/support.h"
 #include "tests/support_scene.h"
 
@@ -72,7 +74,7 @@ static void both_horizons_hide_the_light(void **state)
     assert_true(isfinite(sheen_lobe_alpha2(n, up, up)));
     float lx = 0.6f, ly = 0, lz = -0.8f, w = 1;
     const sheen_lights one = {&lx, &ly, &lz, &w, 1};
-    for (int level = 0; level <= sheen_lobe_best_level(); level++) {
+    for (int level = 0; level <= sheen_cpu_level(); level++) {
         assert_true(sheen_lobe_sum_level(&one, n, up, 0.5f, level) == 0);
         assert_true(sheen_lobe_sum_level(&one, n, below, 0.5f, level) == 0);
     }
@@ -95,7 +97,7 @@ static void fast_agrees_with_reference(void **state)
     (void)state;
     static const size_t counts[] = {0, 1, 7, 15, 16, 17, 255, 1000, MAX_LIGHTS};
     static const float sigmas_rad[] = {1e-4f, 0.0114f, 0.03f, 0.1f, 0.3f, 0.6f};
-    for (int level = 0; level <= sheen_lobe_best_level(); level++) {
+    for (int level = 0; level <= sheen_cpu_level(); level++) {
         double worst = 0;
         for (size_t c = 0; c < sizeof counts / sizeof *counts; c++)
             for (size_t s = 0; s < sizeof sigmas_rad / sizeof *sigmas_rad; s++)
@@ -118,7 +120,7 @@ static void each_term_is_exact_over_the_reach(void **state)
 {
     (void)state;
     static const float sigmas_rad[] = {0.0114f, 0.3f};
-    for (int level = 0; level <= sheen_lobe_best_level(); level++)
+    for (int level = 0; level <= sheen_cpu_level(); level++)
         for (size_t s = 0; s < 2; s++)
             for (int rep = 0; rep < 2000; rep++) {
                 float n[3], v[3], l[3], w = 1;

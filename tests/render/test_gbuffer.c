@@ -95,28 +95,96 @@ static void lens_agrees_with_brute_force(void **state)
     compare_with_brute_force(1, 3);
 }
 
+// A pinhole's picture is drawn triangle by triangle: no hole between triangles, and what rays say but on edges.
+static void drawn_agrees_with_traced(const world *w, int samples)
+{
+    sheen_gbuffer drawn, traced;
+    sheen_err err = {0};
+    make(&drawn, w, samples, 1);
+    assert_ok(sheen_gbuffer_make_ref(&traced, w->scene, &w->mesh, &w->cam, w->rt_cam_obj, samples, 1, &err),
+              err);
+    assert_int_equal(drawn.width_px, traced.width_px);
+    assert_int_equal(drawn.height_px, traced.height_px);
+    const size_t n = (size_t)(drawn.width_px * samples) * (size_t)(drawn.height_px * samples);
+    size_t n_hits = 0, n_other = 0, n_holes = 0;
+    for (size_t i = 0; i < n; i++) {
+        const sheen_hit *got = drawn.hits + i, *want = traced.hits + i;
+        n_hits += want->triangle != SHEEN_NO_HIT;
+        n_holes += (got->triangle == SHEEN_NO_HIT) != (want->triangle == SHEEN_NO_HIT);
+        n_other += got->triangle != want->triangle;
+        if (got->triangle != want->triangle || want->triangle == SHEEN_NO_HIT)
+            continue;
+        float p[3], q[3], v[3], off[3];
+        sheen_hit_surface(&w->mesh, got, drawn.p_camera_obj, p, NULL, v);
+        sheen_hit_surface(&w->mesh, want, drawn.p_camera_obj, q, NULL, NULL);
+        sheen_subf(off, p, q);
+        const float along = sheen_dotf(off, v); // large where the surface runs along the ray
+        assert_close(along, 0, 2e-4);
+        assert_close(sqrtf(fmaxf(0, sheen_dotf(off, off) - along * along)), 0, 1e-5); // 3e-3 px here
+        assert_close(got->t_m, want->t_m, 2e-4);
+    }
+    assert_true(n_hits > n / 8);
+    assert_in_range(n_holes, 0, 3 + n_hits / 20000); // on the outline
+    assert_in_range(n_other, 0, 3 + n_hits / 500);   // on edges
+    sheen_gbuffer_release(&drawn);
+    sheen_gbuffer_release(&traced);
+}
+
+static void drawing_and_tracing_agree(void **state)
+{
+    (void)state;
+    sheen_err err = {0};
+    world w;
+    make_world(&w, 0);
+    drawn_agrees_with_traced(&w, 1);
+    drawn_agrees_with_traced(&w, 4);
+    test_look(w.rt_cam_obj, 0.13, 0.05, 0.05); // close: triangles run out of the picture
+    drawn_agrees_with_traced(&w, 3);
+    free_world(&w);
+
+    // Thousands of triangles of a few samples each, and a bowl whose inside is seen.
+    test_figure(&w.mesh, 30, 0.1f, 0.03f);
+    assert_ok(sheen_scene_new(&w.scene, &w.mesh, &err), err);
+    test_camera(&w.cam, 320, 240, 450, 0);
+    test_look(w.rt_cam_obj, -0.2, 0.25, 0.2);
+    drawn_agrees_with_traced(&w, 1);
+    sheen_scene_free(&w.scene);
+    size_t n = 0;
+    for (size_t t = 0; t < w.mesh.n_triangles; t++)
+        if (w.mesh.p_obj[3 * (size_t)w.mesh.triangles[3 * t] + 2] < 0) {
+            memmove(w.mesh.triangles + 3 * n, w.mesh.triangles + 3 * t, 3 * sizeof *w.mesh.triangles);
+            n++;
+        }
+    w.mesh.n_triangles = n;
+    assert_ok(sheen_scene_new(&w.scene, &w.mesh, &err), err);
+    drawn_agrees_with_traced(&w, 2);
+    free_world(&w);
+}
+
 static void threads_change_nothing(void **state)
 {
     (void)state;
-    world w;
-    make_world(&w, 1);
-    sheen_gbuffer one, four;
-    make(&one, &w, 2, 1);
-    make(&four, &w, 2, 4);
-    assert_int_equal(one.width_px, four.width_px);
-    assert_memory_equal(one.hits, four.hits, (size_t)(4 * one.width_px * one.height_px) * sizeof *one.hits);
-    sheen_gbuffer_release(&one);
-    sheen_gbuffer_release(&four);
-    free_world(&w);
+    for (int distorted = 0; distorted < 2; distorted++) {
+        world w;
+        make_world(&w, distorted);
+        sheen_gbuffer one, four;
+        make(&one, &w, 2, 1);
+        make(&four, &w, 2, 4);
+        assert_int_equal(one.width_px, four.width_px);
+        assert_memory_equal(one.hits, four.hits,
+                            (size_t)(4 * one.width_px * one.height_px) * sizeof *one.hits);
+        sheen_gbuffer_release(&one);
+        sheen_gbuffer_release(&four);
+        free_world(&w);
+    }
 }
 
 // A point that is seen lies where its pixel says: project(surface) = sample, to a fraction of the float's
 // step.
-static void surface_projects_onto_its_sample(void **state)
+static void compare_projection(int distorted)
 {
-    (void)state;
     world w;
-    make_world(&w, 1);
+    make_world(&w, distorted);
     sheen_gbuffer g;
     make(&g, &w, 2, 0);
     sheen_Rt Rt_cam_obj;
@@ -145,6 +213,13 @@ static void surface_projects_onto_its_sample(void **state)
     assert_true(n > 1500);
     sheen_gbuffer_release(&g);
     free_world(&w);
+}
+
+static void surface_projects_onto_its_sample(void **state)
+{
+    (void)state;
+    compare_projection(0);
+    compare_projection(1);
 }
 
 static size_t count_hits(const sheen_gbuffer *g)
@@ -246,6 +321,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pinhole_agrees_with_brute_force),
         cmocka_unit_test(lens_agrees_with_brute_force),
+        cmocka_unit_test(drawing_and_tracing_agree),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(surface_projects_onto_its_sample),
         cmocka_unit_test(out_of_view_is_empty),
