@@ -24,8 +24,8 @@ sheen_status sheen_fit_method_from_name(sheen_fit_method *out, const char *name,
 }
 
 sheen_status sheen_fit_make(sheen_paper_fit *out, sheen_fit_method method, sheen_moving moving,
-                            const sheen_mesh *mesh, const sheen_photos *photos,
-                            const sheen_paper_options *options, sheen_err *err)
+                            const sheen_mesh *mesh, sheen_photos *photos, const sheen_paper_options *options,
+                            sheen_err *err)
 {
     if (method == SHEEN_FIT_REFINED && moving != SHEEN_MOVING_CAMERA) {
         *out = (sheen_paper_fit){0};

@@ -17,7 +17,7 @@ sheen_status sheen_fit_method_from_name(sheen_fit_method *out, const char *name,
 // Fits by a method. moving: what moved between the photographs; the refined method wants a camera that did (EUNSUP).
 // Otherwise as sheen_paper_fit_make; *out is released on failure.
 sheen_status sheen_fit_make(sheen_paper_fit *out, sheen_fit_method method, sheen_moving moving,
-                            const sheen_mesh *mesh, const sheen_photos *photos,
-                            const sheen_paper_options *options, sheen_err *err);
+                            const sheen_mesh *mesh, sheen_photos *photos, const sheen_paper_options *options,
+                            sheen_err *err);
 
 #endif

@@ -8,7 +8,8 @@
 
 // Starts from a finished paper fit of the same mesh and photographs and improves its model, residuals and hemispheres in
 // place. Photographs of a camera that moved. EDATA, ECANCEL, ENOMEM; *f then still has its paper model or is to be released.
-sheen_status sheen_refined_fit(sheen_paper_fit *f, const sheen_mesh *mesh, const sheen_photos *photos,
+// The photographs may come back with poses corrected.
+sheen_status sheen_refined_fit(sheen_paper_fit *f, const sheen_mesh *mesh, sheen_photos *photos,
                                const sheen_paper_options *options, sheen_err *err);
 
 #endif

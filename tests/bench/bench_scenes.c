@@ -43,8 +43,14 @@ static void fit_scene(const arguments *a, const exact_scene *s, const char *labe
     sheen_err err;
     exact_score score;
     const sheen_paper_options o = {0};
+    // A method may correct poses: not in the scene itself
+    sheen_photos inputs = {s->inputs.cam, malloc(s->inputs.count * sizeof *inputs.photos), s->inputs.count};
+    assert_non_null(inputs.photos);
+    memcpy(inputs.photos, s->inputs.photos, inputs.count * sizeof *inputs.photos);
     const double start_s = cpu_s();
-    if (sheen_fit_make(&f, method, SHEEN_MOVING_CAMERA, &s->mesh, &s->inputs, &o, &err)) {
+    const sheen_status status = sheen_fit_make(&f, method, SHEEN_MOVING_CAMERA, &s->mesh, &inputs, &o, &err);
+    free(inputs.photos);
+    if (status) {
         printf("%-22s %-9s %s\n", label, sheen_fit_method_name(method), err.msg);
         return;
     }

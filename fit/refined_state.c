@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// refined_state.c - texels, gbuffers and residuals of all photographs, kept in step with the model.
+#include "fit/refined_state.h"
+
+#include <stdlib.h>
+
+static void fill_texels(sheen_refined_state *r, size_t i_view)
+{
+    sheen_texel_view_fill(&r->views[i_view], r->mesh, r->scene, &r->f->gbuffers[i_view], &r->photos->cam,
+                          &r->photos->photos[i_view], r->f->model.texture.texels_per_edge, r->o.n_threads);
+}
+
+sheen_status sheen_refined_state_init(sheen_refined_state *r, sheen_err *err)
+{
+    const size_t n = r->f->n_views, n_triangles = r->mesh->n_triangles;
+    const int edge = r->f->model.texture.texels_per_edge;
+    sheen_status s = sheen_scene_new(&r->scene, r->mesh, err);
+    if (s)
+        return s;
+    r->views = calloc(n, sizeof *r->views);
+    r->lights = calloc(n, sizeof *r->lights);
+    r->shading = calloc(n, sizeof *r->shading);
+    if (!r->views || !r->lights || !r->shading)
+        return sheen_fail_memory(err, 500.0 * (double)n, "views");
+    for (size_t i = 0; i < n && !s; i++) {
+        if ((s = sheen_texel_view_init(&r->views[i], n_triangles, edge, err)) ||
+            (s = sheen_view_light_init(&r->lights[i], r->views[i].n_texels, err)))
+            break;
+        fill_texels(r, i);
+    }
+    return s;
+}
+
+void sheen_refined_state_release(sheen_refined_state *r)
+{
+    for (size_t i = 0; i < r->f->n_views; i++) {
+        if (r->views)
+            sheen_texel_view_release(&r->views[i]);
+        if (r->lights)
+            sheen_view_light_release(&r->lights[i]);
+    }
+    free(r->views);
+    free(r->lights);
+    free(r->shading);
+    sheen_samples_release(&r->samples);
+    sheen_light_cells_free(&r->cells);
+    sheen_scene_free(&r->scene);
+}
+
+sheen_status sheen_refined_reload_view(sheen_refined_state *r, size_t i_view, sheen_err *err)
+{
+    sheen_gbuffer g;
+    const sheen_status s = sheen_gbuffer_make(&g, r->scene, r->mesh, &r->photos->cam,
+                                              r->photos->photos[i_view].rt_cam_obj, 1, r->o.n_threads, err);
+    if (s)
+        return s;
+    sheen_gbuffer_release(&r->f->gbuffers[i_view]);
+    r->f->gbuffers[i_view] = g;
+    fill_texels(r, i_view);
+    return SHEEN_OK;
+}
+
+sheen_status sheen_refined_light_views(sheen_refined_state *r, sheen_err *err)
+{
+    sheen_model *m = &r->f->model;
+    sheen_light_cells_free(&r->cells);
+    sheen_status s = sheen_light_cells_new(&r->cells, &m->lights, (float)m->sigma_rad, err);
+    for (size_t i = 0; i < r->f->n_views && !s; i++) {
+        if ((s = sheen_progress_step(&r->o.progress, "highlights and mirror images", (int)i,
+                                     (int)r->f->n_views, err)))
+            break;
+        sheen_shading_init(&r->shading[i], m, r->scene, r->cells, r->photos->photos[i].rt_world_obj);
+        sheen_view_light_fill(&r->lights[i], &r->shading[i], &r->views[i], r->f->gbuffers[i].p_camera_obj,
+                              r->o.n_threads);
+    }
+    return s;
+}
+
+// Residuals are what the texture does not explain; here, nor what is mirrored.
+static void subtract_mirrored(sheen_refined_state *r, size_t i_view)
+{
+    const sheen_gbuffer *g = &r->f->gbuffers[i_view];
+    sheen_residual *residual = &r->f->residuals[i_view];
+    for (size_t i = 0; i < residual->count; i++) {
+        sheen_residual_pixel *p = &residual->pixels[i];
+        const size_t at = (size_t)(p->y_px - g->y0_px) * (size_t)g->width_px + (size_t)(p->x_px - g->x0_px);
+        float n_obj[3], v_obj[3], mirrored[3];
+        sheen_hit_surface(r->mesh, &g->hits[at], g->p_camera_obj, NULL, n_obj, v_obj);
+        sheen_shade_mirrored(mirrored, &r->shading[i_view], p->p_obj, n_obj, v_obj);
+        const float F = sheen_fresnel(r->f->model.surroundings.f0, sheen_dotf(n_obj, v_obj));
+        for (int c = 0; c < 3; c++)
+            p->rgb[c] -= F * mirrored[c];
+    }
+}
+
+sheen_status sheen_refined_residuals(sheen_refined_state *r, sheen_err *err)
+{
+    sheen_paper_fit *f = r->f;
+    sheen_status s = SHEEN_OK;
+    for (size_t i = 0; i < f->n_views && !s; i++) {
+        sheen_residual_release(&f->residuals[i]);
+        sheen_partial_hemisphere_release(&f->partials[i]);
+        if ((s = sheen_residual_make(&f->residuals[i], r->mesh, &f->model.texture, &f->gbuffers[i],
+                                     &r->photos->cam, &r->photos->photos[i], err)))
+            break;
+        subtract_mirrored(r, i);
+        s = sheen_partial_hemisphere_make(&f->partials[i], &f->geodesic, &f->residuals[i], err);
+    }
+    return s;
+}

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// refined_state.h - what the steps of the refined method share. A step is a function of this state which improves one thing
+// given the others; refined.c calls them in their order.
+#ifndef SHEEN_FIT_REFINED_STATE_H
+#define SHEEN_FIT_REFINED_STATE_H
+
+#include "fit/paper.h"
+#include "fit/view_light.h"
+
+typedef struct sheen_refined_state {
+    sheen_paper_fit *f;     // model, gbuffers, residuals, hemispheres: improved in place
+    const sheen_mesh *mesh; // lent to f->model for the time of the fit
+    sheen_photos
+        *photos; // a step may change a pose, and then calls sheen_refined_reload_view; pictures may be lent
+    sheen_paper_options o;
+    sheen_scene *scene;
+    sheen_texel_view *views;  // [n_views] colours of the photographs at the texels
+    sheen_view_light *lights; // [n_views] what the model predicts there besides the diffuse part
+    sheen_light_cells *cells;
+    sheen_shading *shading; // [n_views]
+    sheen_samples samples;  // during the lights' estimation
+    int round;              // 0, 1, ...
+} sheen_refined_state;
+
+// f, mesh, photos and o are set; the rest is zero. Fills scene and views. ENOMEM.
+sheen_status sheen_refined_state_init(sheen_refined_state *r, sheen_err *err);
+void sheen_refined_state_release(sheen_refined_state *r);
+
+// To be called when a step has changed a photograph's pose: its gbuffer and texel colours are made anew.
+sheen_status sheen_refined_reload_view(sheen_refined_state *r, size_t i_view, sheen_err *err);
+
+// The steps, each given everything else:
+// r->lights and r->shading from the model.
+sheen_status sheen_refined_light_views(sheen_refined_state *r, sheen_err *err);
+// Residuals and partial hemispheres: photographs without what the texture and what is mirrored explain.
+sheen_status sheen_refined_residuals(sheen_refined_state *r, sheen_err *err);
+
+#endif
