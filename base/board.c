@@ -62,8 +62,12 @@ static sheen_status read_squares(sheen_board *board, const sheen_json *root, she
         s = sheen_json_number(root, "square", &board->square_m, err);
     if (!s)
         s = sheen_json_number(root, "tag_black_side", &board->tag_side_m, err);
+    if (!s && sheen_json_get(root, "disc_radius"))
+        s = sheen_json_number(root, "disc_radius", &board->blank_radius_m, err);
     if (s)
         return s;
+    if (!(board->blank_radius_m >= 0 && board->blank_radius_m <= MAX_SQUARES * max_square_m))
+        return sheen_fail(err, SHEEN_EFORMAT, "a disc of %g m is out of range", board->blank_radius_m);
     if (!family[0] || strlen(family) >= sizeof board->family)
         return sheen_fail(err, SHEEN_EFORMAT, "tag family '%.30s' is unknown: use tag36h11", family);
     snprintf(board->family, sizeof board->family, "%s", family);
@@ -200,32 +204,125 @@ static sheen_status read_corners(sheen_board *board, const sheen_json *root, she
     return s;
 }
 
-sheen_status sheen_board_parse(sheen_board *board, const void *data, size_t size_bytes, sheen_err *err)
+// One board, from an open object; release it after success.
+static sheen_status read_board(sheen_board *board, const sheen_json *root, sheen_err *err)
 {
     *board = (sheen_board){0};
-    sheen_json *root = NULL;
-    sheen_status s = sheen_json_parse(&root, data, size_bytes, err);
-    if (!s)
-        s = read_squares(board, root, err);
+    sheen_status s = read_squares(board, root, err);
     if (!s)
         s = read_tags(board, root, err);
     if (!s)
         s = read_corners(board, root, err);
-    sheen_json_free(&root);
     if (s)
         sheen_board_release(board);
     return s;
 }
 
-sheen_status sheen_board_load(sheen_board *board, const char *path, sheen_err *err)
+// Against the boards before it.
+static sheen_status check_distinct(const sheen_board_set *set, size_t i, sheen_err *err)
 {
-    *board = (sheen_board){0};
+    const sheen_board *board = &set->boards[i];
+    for (size_t k = 0; k < i; k++) {
+        if (!strcmp(set->boards[k].name, board->name))
+            return sheen_fail(err, SHEEN_EFORMAT, "two boards are named '%s'", board->name);
+        if (strcmp(set->boards[k].family, board->family) != 0)
+            return sheen_fail(err, SHEEN_EFORMAT, "boards '%s' and '%s' have tags of different families",
+                              set->boards[k].name, board->name);
+        for (size_t t = 0; t < board->n_tags; t++)
+            if (sheen_board_find_tag(&set->boards[k], board->tags[t].id))
+                return sheen_fail(err, SHEEN_EFORMAT, "tag %d is on board '%s' and on board '%s'",
+                                  board->tags[t].id, set->boards[k].name, board->name);
+    }
+    return SHEEN_OK;
+}
+
+static sheen_status read_set(sheen_board_set *set, const sheen_json *root, sheen_err *err)
+{
+    const sheen_json *list = sheen_json_get(root, "boards");
+    const bool several = list != NULL;
+    sheen_status s = several ? sheen_json_array(root, "boards", &list, err) : SHEEN_OK;
+    if (s)
+        return s;
+    const size_t n = several ? sheen_json_count(list) : 1;
+    if (n < 1 || n > SHEEN_BOARD_SET_MAX)
+        return sheen_fail(err, SHEEN_EFORMAT, "%zu boards are not 1 to %d", n, (int)SHEEN_BOARD_SET_MAX);
+    set->boards = calloc(n, sizeof *set->boards);
+    if (!set->boards)
+        return sheen_fail_memory(err, (double)(n * sizeof *set->boards), "boards");
+    for (size_t i = 0; i < n && !s; i++) {
+        const sheen_json *item = several ? sheen_json_at(list, i) : root;
+        const char *name = "";
+        if (several)
+            s = sheen_json_string(item, "name", &name, err);
+        if (!s)
+            s = read_board(&set->boards[i], item, err);
+        if (s)
+            return several ? sheen_wrap(err, s, "item %zu of 'boards'", i) : s;
+        snprintf(set->boards[i].name, sizeof set->boards[i].name, "%s", name);
+        set->n_boards = i + 1;
+        s = check_distinct(set, i, err);
+    }
+    return s;
+}
+
+void sheen_board_set_release(sheen_board_set *set)
+{
+    for (size_t i = 0; i < set->n_boards; i++)
+        sheen_board_release(&set->boards[i]);
+    free(set->boards);
+    *set = (sheen_board_set){0};
+}
+
+sheen_status sheen_board_set_parse(sheen_board_set *set, const void *data, size_t size_bytes, sheen_err *err)
+{
+    *set = (sheen_board_set){0};
+    sheen_json *root = NULL;
+    sheen_status s = sheen_json_parse(&root, data, size_bytes, err);
+    if (!s)
+        s = read_set(set, root, err);
+    sheen_json_free(&root);
+    if (s)
+        sheen_board_set_release(set);
+    return s;
+}
+
+sheen_status sheen_board_set_load(sheen_board_set *set, const char *path, sheen_err *err)
+{
+    *set = (sheen_board_set){0};
     uint8_t *data;
     size_t size_bytes;
     sheen_status s = sheen_file_read(&data, &size_bytes, path, MAX_FILE_BYTES, err);
     if (s)
         return s;
-    s = sheen_board_parse(board, data, size_bytes, err);
+    s = sheen_board_set_parse(set, data, size_bytes, err);
     free(data);
     return s ? sheen_wrap(err, s, "cannot read '%s'", path) : SHEEN_OK;
+}
+
+// Keeps the first board of a set and lets the others go.
+static void take_first(sheen_board *board, sheen_board_set *set)
+{
+    *board = set->boards[0];
+    set->boards[0] = (sheen_board){0};
+    sheen_board_set_release(set);
+}
+
+sheen_status sheen_board_parse(sheen_board *board, const void *data, size_t size_bytes, sheen_err *err)
+{
+    sheen_board_set set;
+    *board = (sheen_board){0};
+    const sheen_status s = sheen_board_set_parse(&set, data, size_bytes, err);
+    if (!s)
+        take_first(board, &set);
+    return s;
+}
+
+sheen_status sheen_board_load(sheen_board *board, const char *path, sheen_err *err)
+{
+    sheen_board_set set;
+    *board = (sheen_board){0};
+    const sheen_status s = sheen_board_set_load(&set, path, err);
+    if (!s)
+        take_first(board, &set);
+    return s;
 }

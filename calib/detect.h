@@ -21,12 +21,12 @@ typedef struct sheen_tag_detector sheen_tag_detector;
 sheen_status sheen_tag_detector_new(sheen_tag_detector **detector_out, const char *family, sheen_err *err);
 void sheen_tag_detector_free(sheen_tag_detector **detector);
 
-// The board's printed tags in an 8-bit picture of width_px x height_px (rows adjoin), sorted by id; tags of other
+// The boards' printed tags in an 8-bit picture of width_px x height_px (rows adjoin), sorted by id; tags of other
 // ids, read with more than one wrong bit, or seen twice are left out. Corners have (0,0) at the centre of the
 // top-left pixel. *tags_out is the caller's to free(); none found is success with *n_out 0.
 sheen_status sheen_tags_detect(sheen_tag_seen **tags_out, size_t *n_out, sheen_tag_detector *detector,
-                               const uint8_t *grey, int width_px, int height_px, const sheen_board *board,
-                               sheen_err *err);
+                               const uint8_t *grey, int width_px, int height_px,
+                               const sheen_board_set *boards, sheen_err *err);
 
 #ifdef __cplusplus
 }

@@ -64,16 +64,6 @@ void sheen_tag_detector_free(sheen_tag_detector **detector)
     free(d);
 }
 
-// libapriltag's corners run lower left, lower right, upper right, upper left.
-static void take(sheen_tag_seen *seen, const apriltag_detection_t *detection, const sheen_board_tag *tag)
-{
-    seen->id = tag->id;
-    memcpy(seen->p_board, tag->corners_board, sizeof seen->p_board);
-    for (int i = 0; i < 4; i++)
-        for (int k = 0; k < 2; k++)
-            seen->q_px[i][k] = detection->p[3 - i][k] - PIXEL_ORIGIN_PX;
-}
-
 static int by_id(const void *a, const void *b)
 {
     const sheen_tag_seen *left = a, *right = b;
@@ -99,8 +89,28 @@ static size_t drop_duplicates(sheen_tag_seen *tags, size_t n)
 typedef struct picture {
     const uint8_t *grey;
     int width_px, height_px;
-    const sheen_board *board;
+    const sheen_board_set *boards;
 } picture;
+
+// Fills in what was seen of a tag that is printed on one of the boards; false for any other.
+static bool take(sheen_tag_seen *seen, const apriltag_detection_t *detection, const sheen_board_set *boards)
+{
+    const sheen_board_tag *tag = NULL;
+    size_t i_board = 0;
+    for (; i_board < boards->n_boards; i_board++)
+        if ((tag = sheen_board_find_tag(&boards->boards[i_board], detection->id)))
+            break;
+    if (!tag || !tag->printed || detection->hamming > 1)
+        return false;
+    seen->id = tag->id;
+    seen->i_board = (int)i_board;
+    memcpy(seen->p_board, tag->corners_board, sizeof seen->p_board);
+    // libapriltag's corners run lower left, lower right, upper right, upper left
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 2; k++)
+            seen->q_px[i][k] = detection->p[3 - i][k] - PIXEL_ORIGIN_PX;
+    return true;
+}
 
 static sheen_status detect_at(sheen_tag_seen **tags_out, size_t *n_out, sheen_tag_detector *d,
                               const picture *p, int decimation, sheen_err *err)
@@ -118,9 +128,7 @@ static sheen_status detect_at(sheen_tag_seen **tags_out, size_t *n_out, sheen_ta
     for (int i = 0; tags && i < n_found; i++) {
         apriltag_detection_t *detection;
         zarray_get(found, i, &detection);
-        const sheen_board_tag *tag = sheen_board_find_tag(p->board, detection->id);
-        if (tag && tag->printed && detection->hamming <= 1)
-            take(&tags[n++], detection, tag);
+        n += take(&tags[n], detection, p->boards);
     }
     apriltag_detections_destroy(found);
     if (!tags)
@@ -132,14 +140,14 @@ static sheen_status detect_at(sheen_tag_seen **tags_out, size_t *n_out, sheen_ta
 }
 
 sheen_status sheen_tags_detect(sheen_tag_seen **tags_out, size_t *n_out, sheen_tag_detector *detector,
-                               const uint8_t *grey, int width_px, int height_px, const sheen_board *board,
-                               sheen_err *err)
+                               const uint8_t *grey, int width_px, int height_px,
+                               const sheen_board_set *boards, sheen_err *err)
 {
     *tags_out = NULL;
     *n_out = 0;
     if (width_px < 8 || height_px < 8)
         return SHEEN_OK; // no room for a tag
-    const picture p = {.grey = grey, .width_px = width_px, .height_px = height_px, .board = board};
+    const picture p = {.grey = grey, .width_px = width_px, .height_px = height_px, .boards = boards};
     int decimation = 1;
     while ((double)width_px * height_px > MAX_DECIMATED_PIXELS * decimation * decimation)
         decimation++;

@@ -163,15 +163,43 @@ sheen_status sheen_saddles_find(sheen_board_view *view, const uint8_t *grey, con
     return SHEEN_OK;
 }
 
+// Gives each board's view the tags that are on it.
+static sheen_status deal_tags(sheen_board_view *views, size_t n_boards, const sheen_tag_seen *tags,
+                              size_t n_tags, sheen_err *err)
+{
+    for (size_t b = 0; b < n_boards; b++) {
+        views[b].tags = calloc(n_tags + 1, sizeof *views[b].tags);
+        if (!views[b].tags)
+            return sheen_fail_memory(err, (double)n_tags * sizeof *tags, "tags");
+        for (size_t i = 0; i < n_tags; i++)
+            if (tags[i].i_board == (int)b)
+                views[b].tags[views[b].n_tags++] = tags[i];
+    }
+    return SHEEN_OK;
+}
+
+sheen_status sheen_boards_observe(sheen_board_view *views, sheen_tag_detector *detector, const uint8_t *grey,
+                                  int width_px, int height_px, const sheen_board_set *boards, sheen_err *err)
+{
+    sheen_tag_seen *tags;
+    size_t n_tags;
+    for (size_t b = 0; b < boards->n_boards; b++)
+        views[b] = (sheen_board_view){.width_px = width_px, .height_px = height_px};
+    sheen_status s = sheen_tags_detect(&tags, &n_tags, detector, grey, width_px, height_px, boards, err);
+    if (!s)
+        s = deal_tags(views, boards->n_boards, tags, n_tags, err);
+    free(tags);
+    for (size_t b = 0; b < boards->n_boards && !s; b++)
+        s = sheen_saddles_find(&views[b], grey, &boards->boards[b], err);
+    for (size_t b = 0; b < boards->n_boards && s; b++)
+        sheen_board_view_release(&views[b]);
+    return s;
+}
+
 sheen_status sheen_board_observe(sheen_board_view *view, sheen_tag_detector *detector, const uint8_t *grey,
                                  int width_px, int height_px, const sheen_board *board, sheen_err *err)
 {
-    *view = (sheen_board_view){.width_px = width_px, .height_px = height_px};
-    sheen_status s = sheen_tags_detect(&view->tags, &view->n_tags, detector, grey, width_px, height_px, board,
-                                       err);
-    if (!s)
-        s = sheen_saddles_find(view, grey, board, err);
-    if (s)
-        sheen_board_view_release(view);
-    return s;
+    sheen_board one = *board;
+    const sheen_board_set set = {.boards = &one, .n_boards = 1};
+    return sheen_boards_observe(view, detector, grey, width_px, height_px, &set, err);
 }

@@ -19,6 +19,9 @@ extern "C" {
 // tags is success. name and file are left empty. Release with sheen_board_view_release. ENOMEM.
 sheen_status sheen_board_observe(sheen_board_view *view, sheen_tag_detector *detector, const uint8_t *grey,
                                  int width_px, int height_px, const sheen_board *board, sheen_err *err);
+// The same for a set of boards, whose tags are looked for once: views[boards->n_boards], one a board.
+sheen_status sheen_boards_observe(sheen_board_view *views, sheen_tag_detector *detector, const uint8_t *grey,
+                                  int width_px, int height_px, const sheen_board_set *boards, sheen_err *err);
 
 // The second half of it: fills view->saddles from view->tags and the picture.
 sheen_status sheen_saddles_find(sheen_board_view *view, const uint8_t *grey, const sheen_board *board,

@@ -12,8 +12,9 @@ extern "C" {
 // A tag of the board that was read. Corners upper left, upper right, lower right, lower left as on the page.
 typedef struct sheen_tag_seen {
     int id;
+    int i_board; // which board of the set it is on; 0 for a single one
     double q_px[4][2];
-    double p_board[4][3]; // metres
+    double p_board[4][3]; // metres, in its board's frame
 } sheen_tag_seen;
 
 // An inner corner of the chessboard, located to a few hundredths of a pixel.

@@ -79,6 +79,7 @@ sheen_status sheen_cli_white_check(void *self, const sheen_frame *frame, sheen_e
 {
     sheen_cli_white *w = self;
     sheen_raster r;
+    const sheen_board_set boards = {.boards = &w->board, .n_boards = 1};
     sheen_tag_seen *tags = NULL;
     size_t n_tags = 0;
     float rgb[3];
@@ -92,7 +93,7 @@ sheen_status sheen_cli_white_check(void *self, const sheen_frame *frame, sheen_e
         s = sheen_fail_memory(err, (double)r.width_px * r.height_px, "a grey picture");
     else {
         sheen_raster_grey(grey, &r, frame->info.transfer);
-        s = sheen_tags_detect(&tags, &n_tags, w->detector, grey, r.width_px, r.height_px, &w->board, err);
+        s = sheen_tags_detect(&tags, &n_tags, w->detector, grey, r.width_px, r.height_px, &boards, err);
     }
     if (!s && sheen_cli_white_measure(rgb, &r, frame->info.transfer, tags, n_tags)) {
         w->n_seen++;

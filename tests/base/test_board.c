@@ -2,6 +2,7 @@
 // test_board.c - board.json: the sample's board, and boards whose numbers do not fit together.
 #include "tests/support.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -153,6 +154,116 @@ static void cut_files_are_refused(void **state)
     assert_string_equal(err.msg, "cannot open '/nowhere/board.json': No such file or directory");
 }
 
+static void a_made_board_reads_back(void **state)
+{
+    sheen_err err;
+    sheen_board made, read;
+    char path[TEST_PATH_MAX];
+    const sheen_board_layout layout = {.n_cols = 12,
+                                       .n_rows = 9,
+                                       .square_m = 0.025,
+                                       .tag_side_m = 0.018,
+                                       .first_id = 7,
+                                       .blank_radius_m = 0.05};
+    assert_ok(sheen_board_make(&made, &layout, &err), err);
+    assert_int_equal(made.n_tags, 54);
+    assert_int_equal(made.n_corners, 88);
+    sheen_board_scale(&made, 0.99);
+    test_scratch_file(path, *state, "board.json");
+    assert_ok(sheen_boards_save(&made, 1, path, &err), err);
+    assert_ok(sheen_board_load(&read, path, &err), err);
+    assert_close(read.square_m, 0.02475, 1e-15);
+    assert_close(read.blank_radius_m, 0.0495, 1e-15);
+    for (size_t i = 0; i < made.n_tags; i++) {
+        const sheen_board_tag *tag = &read.tags[i];
+        assert_int_equal(tag->id, 7 + (int)i);
+        assert_int_equal(tag->printed, made.tags[i].printed);
+        double least = 1; // what is printed keeps clear of the disc
+        for (int k = 0; k < 4; k++)
+            least = fmin(least, hypot(tag->corners_board[k][0], tag->corners_board[k][1]));
+        assert_true(!tag->printed || least > 0.0495);
+    }
+    for (size_t i = 0; i < made.n_corners; i++)
+        assert_int_equal(read.corners[i].printed, made.corners[i].printed);
+    sheen_board_release(&read);
+    sheen_board_release(&made);
+}
+
+static void makes_no_impossible_board(void **state)
+{
+    (void)state;
+    static const struct {
+        sheen_board_layout layout;
+        const char *msg;
+    } cases[] = {
+        {{1, 9, 0.025, 0.018, 0, 0}, "a board of 1 x 9 squares is out of range"},
+        {{12, 9, 0, 0.018, 0, 0}, "a square of 0 mm is out of range"},
+        {{12, 9, 0.025, 0.025, 0, 0},
+         "a tag of 25 mm leaves no white rim in a square of 25 mm: at most nine tenths of it"},
+        {{12, 9, 0.025, 0.018, -1, 0}, "-1 is no tag's id"},
+        {{12, 9, 0.025, 0.018, 0, -1}, "a disc of -2000 mm is out of range"},
+    };
+    sheen_err err;
+    sheen_board board;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        assert_int_equal(sheen_board_make(&board, &cases[i].layout, &err), SHEEN_EARG);
+        assert_string_equal(err.msg, cases[i].msg);
+    }
+}
+
+static void several_boards_share_a_file(void **state)
+{
+    sheen_err err;
+    sheen_board boards[3];
+    sheen_board_set set;
+    char path[TEST_PATH_MAX];
+    for (int i = 0; i < 3; i++) {
+        const sheen_board_layout layout = {4 + i, 4, 0.02, 0.014, 20 * i, 0};
+        assert_ok(sheen_board_make(&boards[i], &layout, &err), err);
+        snprintf(boards[i].name, sizeof boards[i].name, "sheet-%d", i + 1);
+    }
+    test_scratch_file(path, *state, "board.json");
+    assert_ok(sheen_boards_save(boards, 3, path, &err), err);
+    assert_ok(sheen_board_set_load(&set, path, &err), err);
+    assert_int_equal(set.n_boards, 3);
+    assert_string_equal(set.boards[2].name, "sheet-3");
+    assert_int_equal(set.boards[2].tags[0].id, 40);
+    assert_int_equal(set.boards[2].n_cols, 6);
+    sheen_board_set_release(&set);
+    sheen_board first;
+    assert_ok(sheen_board_load(&first, path, &err), err);
+    assert_string_equal(first.name, "sheet-1");
+    sheen_board_release(&first);
+
+    boards[1].tags[0].id = 3; // sheet-1 has that too
+    assert_ok(sheen_boards_save(boards, 3, path, &err), err);
+    assert_fails(sheen_board_set_load(&set, path, &err), err, SHEEN_EFORMAT,
+                 "tag 3 is on board 'sheet-1' and on board 'sheet-2'");
+    boards[1].tags[0].id = 20;
+    snprintf(boards[1].name, sizeof boards[1].name, "sheet-1");
+    assert_ok(sheen_boards_save(boards, 3, path, &err), err);
+    assert_fails(sheen_board_set_load(&set, path, &err), err, SHEEN_EFORMAT,
+                 "two boards are named 'sheet-1'");
+    static const char empty[] = "{\"boards\": []}";
+    assert_fails(sheen_board_set_parse(&set, empty, strlen(empty), &err), err, SHEEN_EFORMAT,
+                 "0 boards are not 1 to 64");
+    for (int i = 0; i < 3; i++)
+        sheen_board_release(&boards[i]);
+}
+
+// A single board is a set of one.
+static void a_single_board_is_a_set(void **state)
+{
+    (void)state;
+    sheen_err err;
+    sheen_board_set set;
+    assert_ok(sheen_board_set_load(&set, SAMPLE, &err), err);
+    assert_int_equal(set.n_boards, 1);
+    assert_string_equal(set.boards[0].name, "");
+    assert_close(set.boards[0].blank_radius_m, 0.066, 0);
+    sheen_board_set_release(&set);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -161,6 +272,11 @@ int main(void)
         cmocka_unit_test(corners_are_in_order_and_in_place),
         cmocka_unit_test(says_what_does_not_fit),
         cmocka_unit_test(cut_files_are_refused),
+        cmocka_unit_test_setup_teardown(a_made_board_reads_back, test_scratch_setup, test_scratch_teardown),
+        cmocka_unit_test(makes_no_impossible_board),
+        cmocka_unit_test_setup_teardown(several_boards_share_a_file, test_scratch_setup,
+                                        test_scratch_teardown),
+        cmocka_unit_test(a_single_board_is_a_set),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -19,74 +19,28 @@ static const double WHITE = 0.85, BLACK = 0.05, TABLE = 0.2, COVER = 0.4;
 void test_board_make(sheen_board *board, int n_cols, int n_rows, double square_m, double tag_ratio,
                      int first_id, double blank_radius_m)
 {
-    *board = (sheen_board){.n_cols = n_cols,
-                           .n_rows = n_rows,
-                           .square_m = square_m,
-                           .tag_side_m = tag_ratio * square_m,
-                           .n_corners = (size_t)(n_cols - 1) * (size_t)(n_rows - 1)};
-    snprintf(board->family, sizeof board->family, "tag36h11");
-    board->tags = calloc((size_t)n_cols * (size_t)n_rows, sizeof *board->tags);
-    board->corners = calloc(board->n_corners, sizeof *board->corners);
-    assert_non_null(board->tags);
-    assert_non_null(board->corners);
-    size_t n_corners = 0;
-    for (int row = 0; row < n_rows; row++)
-        for (int col = 0; col < n_cols; col++) {
-            const double x = (col - 0.5 * n_cols) * square_m, y = (0.5 * n_rows - row) * square_m;
-            if (row && col)
-                board->corners[n_corners++] = (sheen_board_corner){
-                    .row = row, .col = col, .printed = hypot(x, y) > blank_radius_m, .p_board = {x, y, 0}};
-            if ((row + col) % 2 == 0)
-                continue;
-            const double cx = x + square_m / 2, cy = y - square_m / 2, h = board->tag_side_m / 2;
-            board->tags[board->n_tags] = (sheen_board_tag){
-                .id = first_id + (int)board->n_tags,
-                .row = row,
-                .col = col,
-                .printed = hypot(cx, cy) > blank_radius_m,
-                .corners_board = {
-                    {cx - h, cy + h, 0}, {cx + h, cy + h, 0}, {cx + h, cy - h, 0}, {cx - h, cy - h, 0}}};
-            board->n_tags++;
-        }
+    sheen_err err;
+    const sheen_board_layout layout = {.n_cols = n_cols,
+                                       .n_rows = n_rows,
+                                       .square_m = square_m,
+                                       .tag_side_m = tag_ratio * square_m,
+                                       .first_id = first_id};
+    assert_ok(sheen_board_make(board, &layout, &err), err);
+    board->blank_radius_m = blank_radius_m;
+    for (size_t i = 0; i < board->n_corners; i++) {
+        const double *p = board->corners[i].p_board;
+        board->corners[i].printed = hypot(p[0], p[1]) > blank_radius_m;
+    }
+    for (size_t i = 0; i < board->n_tags; i++) {
+        const double(*c)[3] = (const double(*)[3])board->tags[i].corners_board;
+        board->tags[i].printed = hypot((c[0][0] + c[2][0]) / 2, (c[0][1] + c[2][1]) / 2) > blank_radius_m;
+    }
 }
 
 void test_board_save(const sheen_board *board, const char *path)
 {
     sheen_err err;
-    sheen_json_writer w = {0};
-    sheen_json_open(&w, NULL, '{');
-    sheen_json_put_string(&w, "family", board->family);
-    sheen_json_put_int(&w, "cols", board->n_cols);
-    sheen_json_put_int(&w, "rows", board->n_rows);
-    sheen_json_put_number(&w, "square", board->square_m);
-    sheen_json_put_number(&w, "tag_black_side", board->tag_side_m);
-    sheen_json_open(&w, "tags", '[');
-    for (size_t i = 0; i < board->n_tags; i++) {
-        const sheen_board_tag *tag = &board->tags[i];
-        sheen_json_open(&w, NULL, '{');
-        sheen_json_put_int(&w, "id", tag->id);
-        sheen_json_put_int(&w, "row", tag->row);
-        sheen_json_put_int(&w, "col", tag->col);
-        sheen_json_open(&w, "corners", '[');
-        for (int k = 0; k < 4; k++)
-            sheen_json_put_numbers(&w, NULL, tag->corners_board[k], 3);
-        sheen_json_close(&w);
-        sheen_json_put_bool(&w, "printed", tag->printed);
-        sheen_json_close(&w);
-    }
-    sheen_json_close(&w);
-    sheen_json_open(&w, "corners", '[');
-    for (size_t i = 0; i < board->n_corners; i++) {
-        sheen_json_open(&w, NULL, '{');
-        sheen_json_put_int(&w, "row", board->corners[i].row);
-        sheen_json_put_int(&w, "col", board->corners[i].col);
-        sheen_json_put_numbers(&w, "p", board->corners[i].p_board, 3);
-        sheen_json_put_bool(&w, "printed", board->corners[i].printed);
-        sheen_json_close(&w);
-    }
-    sheen_json_close(&w);
-    sheen_json_close(&w);
-    assert_ok(sheen_json_save(&w, path, &err), err);
+    assert_ok(sheen_boards_save(board, 1, path, &err), err);
 }
 
 // [id][row][col] of the tag's black square, 1: white.

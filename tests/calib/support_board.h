@@ -11,7 +11,6 @@
 
 #include "base/board.h"
 #include "base/camera.h"
-#include "base/json_write.h"
 
 // n_cols x n_rows squares, tags of tag_ratio of a square, ids from first_id on; corners and tags whose centre is
 // within blank_radius_m of the board's centre are not printed. Release with sheen_board_release.

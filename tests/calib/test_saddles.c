@@ -189,8 +189,9 @@ static void says_what_it_cannot_read(void **state)
     assert_fails(sheen_tag_detector_new(&detector, "tag16h5", &err), err, SHEEN_EUNSUP, "'tag16h5'");
     assert_null(detector);
     test_board_make(&board, 4, 4, 0.02, 0.64, 0, 0);
+    const sheen_board_set set = {.boards = &board, .n_boards = 1};
     assert_ok(sheen_tag_detector_new(&detector, "tag36h11", &err), err);
-    assert_ok(sheen_tags_detect(&tags, &n, detector, pixels, 4, 4, &board, &err), err);
+    assert_ok(sheen_tags_detect(&tags, &n, detector, pixels, 4, 4, &set, &err), err);
     assert_int_equal(n, 0);
     free(tags);
     sheen_tag_detector_free(&detector);
