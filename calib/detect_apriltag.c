@@ -28,12 +28,20 @@ struct sheen_tag_detector {
     apriltag_detector_t *detector;
 };
 
+static sheen_status check_family(const char *family, sheen_err *err)
+{
+    if (!strcmp(family, "tag36h11"))
+        return SHEEN_OK;
+    return sheen_fail(err, SHEEN_EUNSUP,
+                      "tags of the family '%.23s' are not supported: use a board of 'tag36h11'", family);
+}
+
 sheen_status sheen_tag_detector_new(sheen_tag_detector **detector_out, const char *family, sheen_err *err)
 {
     *detector_out = NULL;
-    if (strcmp(family, "tag36h11") != 0)
-        return sheen_fail(err, SHEEN_EUNSUP,
-                          "tags of the family '%.23s' are not supported: use a board of 'tag36h11'", family);
+    const sheen_status s = check_family(family, err);
+    if (s)
+        return s;
     sheen_tag_detector *d = calloc(1, sizeof *d);
     if (!d)
         return sheen_fail_memory(err, sizeof *d, "a tag detector");
@@ -158,4 +166,35 @@ sheen_status sheen_tags_detect(sheen_tag_seen **tags_out, size_t *n_out, sheen_t
     *tags_out = NULL;
     *n_out = 0;
     return detect_at(tags_out, n_out, detector, &p, 1, err);
+}
+
+sheen_status sheen_tag_picture_get(sheen_tag_picture *out, const char *family, int id, sheen_err *err)
+{
+    *out = (sheen_tag_picture){0};
+    sheen_status s = check_family(family, err);
+    if (s)
+        return s;
+    apriltag_family_t *f = tag36h11_create();
+    const int n_ids = f ? (int)f->ncodes : 0;
+    image_u8_t *image = f && id >= 0 && id < n_ids ? apriltag_to_image(f, id) : NULL;
+    if (!f)
+        s = sheen_fail(err, SHEEN_ENOMEM, "out of memory for a family of tags");
+    else if (id < 0 || id >= n_ids)
+        s = sheen_fail(err, SHEEN_EARG, "the family '%s' has no tag %d: its ids are 0 to %d", family, id,
+                       n_ids - 1);
+    else if (!image || f->width_at_border > SHEEN_TAG_MAX_CELLS)
+        s = sheen_fail(err, SHEEN_ENOMEM, "out of memory for a picture of tag %d", id);
+    else {
+        const int rim = (f->total_width - f->width_at_border) / 2;
+        out->side = f->width_at_border;
+        for (int row = 0; row < out->side; row++)
+            for (int col = 0; col < out->side; col++)
+                out->white[row][col] = image->buf[(row + rim) * image->stride + col + rim] > 127;
+    }
+    if (image)
+        free(image->buf);
+    free(image);
+    if (f)
+        tag36h11_destroy(f);
+    return s;
 }

@@ -5,6 +5,7 @@
 
 #include "cli/cmd.h"
 
+extern const sheen_command sheen_cmd_board;
 extern const sheen_command sheen_cmd_devices;
 extern const sheen_command sheen_cmd_capture;
 extern const sheen_command sheen_cmd_import;
