@@ -199,7 +199,7 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
         say(cli, &a, &set, &sheet, json_path);
     for (size_t i = 0; i < set.n_boards; i++)
         sheen_board_release(&set.boards[i]);
-    return sheen_cli_option_status(cli, s);
+    return s == SHEEN_EARG ? sheen_cli_option_status(cli, s) : s; // sizes and ids that do not fit
 }
 
 const sheen_command sheen_cmd_board = {
