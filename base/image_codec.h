@@ -9,6 +9,7 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "base/bytes.h"
 #include "base/image.h"
 
 #ifdef __cplusplus
@@ -33,15 +34,6 @@ sheen_status sheen_tiff_probe(int *width_px, int *height_px, const void *data, s
                               sheen_err *err);
 sheen_status sheen_exr_probe(int *width_px, int *height_px, const void *data, size_t size_bytes,
                              sheen_err *err);
-
-// A file that is being written to memory. Zero to begin with; the owner frees `data`.
-typedef struct sheen_bytes {
-    uint8_t *data;
-    size_t size_bytes, capacity_bytes;
-} sheen_bytes;
-
-// Writes n bytes at an offset; what lies between the old end and it becomes zero. False where there is no memory.
-int sheen_bytes_put(sheen_bytes *b, size_t offset, const void *from, size_t n_bytes);
 
 // One row of 16-bit samples in big-endian order, as PNG wants it, is the swap of a little-endian machine's.
 static inline int sheen_is_little_endian(void)

@@ -31,6 +31,8 @@ sheen_status sheen_exr_parse(sheen_raster *out, const void *data, size_t size_by
 // Writers replace the file in one step (file.h).
 // 8- or 16-bit raster of 1 to 4 channels, as it is (no conversion).
 sheen_status sheen_png_write(const char *path, const sheen_raster *r, sheen_err *err);
+// The same into memory, which the caller frees.
+sheen_status sheen_png_encode(uint8_t **data_out, size_t *size_bytes, const sheen_raster *r, sheen_err *err);
 // A linear image of 1, 3 or 4 channels (alpha stays linear) as 8-bit sRGB PNG, clipped to 0..1.
 sheen_status sheen_png_write_srgb(const char *path, const sheen_image *lin, sheen_err *err);
 // Quality 1..100, 4:4:4.

@@ -205,19 +205,37 @@ static sheen_status write_all(writer *w, const sheen_raster *r, bool srgb, sheen
     return SHEEN_OK;
 }
 
-static sheen_status write_png(const char *path, const sheen_raster *r, bool srgb, sheen_err *err)
+static sheen_status encode_png(sheen_bytes *out, const sheen_raster *r, bool srgb, sheen_err *err)
 {
     if (!r->data || (r->bits != 8 && r->bits != 16) || r->n_channels < 1 || r->n_channels > 4)
-        return sheen_fail(err, SHEEN_EARG, "cannot write '%s': a PNG has 1 to 4 channels of 8 or 16 bits",
-                          path);
+        return sheen_fail(err, SHEEN_EARG, "a PNG has 1 to 4 channels of 8 or 16 bits");
     writer w = {0};
-    sheen_status s = write_all(&w, r, srgb, err);
+    const sheen_status s = write_all(&w, r, srgb, err);
     png_destroy_write_struct(&w.png, &w.info);
     if (s)
-        s = sheen_wrap(err, s, "cannot write '%s'", path);
+        free(w.bytes.data);
     else
-        s = sheen_file_write(path, w.bytes.data, w.bytes.size_bytes, err);
-    free(w.bytes.data);
+        *out = w.bytes;
+    return s;
+}
+
+static sheen_status write_png(const char *path, const sheen_raster *r, bool srgb, sheen_err *err)
+{
+    sheen_bytes bytes = {0};
+    sheen_status s = encode_png(&bytes, r, srgb, err);
+    if (s)
+        return sheen_wrap(err, s, "cannot write '%s'", path);
+    s = sheen_file_write(path, bytes.data, bytes.size_bytes, err);
+    free(bytes.data);
+    return s;
+}
+
+sheen_status sheen_png_encode(uint8_t **data_out, size_t *size_bytes, const sheen_raster *r, sheen_err *err)
+{
+    sheen_bytes bytes = {0};
+    const sheen_status s = encode_png(&bytes, r, false, err);
+    *data_out = bytes.data;
+    *size_bytes = bytes.size_bytes;
     return s;
 }
 

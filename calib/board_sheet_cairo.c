@@ -8,11 +8,10 @@
 #include <cairo/cairo-pdf.h>
 #include <cairo/cairo-svg.h>
 #include <math.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
+#include "base/bytes.h"
 #include "base/file.h"
 #include "calib/detect.h"
 
@@ -22,26 +21,11 @@ static const double POINTS_PER_MM = 72 / 25.4;
 static const double RIM_MM = 6; // between the squares and a ruler
 static const double LINE_MM = 0.1, TEXT_MM = 3;
 
-// What cairo writes, in memory.
-typedef struct output {
-    uint8_t *data;
-    size_t size_bytes, capacity_bytes;
-} output;
-
 static cairo_status_t append(void *closure, const unsigned char *data, unsigned length)
 {
-    output *out = closure;
-    if (!out->data || out->size_bytes + length > out->capacity_bytes) {
-        const size_t capacity_bytes = 2 * (out->size_bytes + length);
-        uint8_t *grown = realloc(out->data, capacity_bytes);
-        if (!grown)
-            return CAIRO_STATUS_NO_MEMORY;
-        out->data = grown;
-        out->capacity_bytes = capacity_bytes;
-    }
-    memcpy(out->data + out->size_bytes, data, length);
-    out->size_bytes += length;
-    return CAIRO_STATUS_SUCCESS;
+    sheen_bytes *out = closure;
+    return sheen_bytes_put(out, out->size_bytes, data, length) ? CAIRO_STATUS_SUCCESS
+                                                               : CAIRO_STATUS_NO_MEMORY;
 }
 
 // The black cells of a tag whose black border's upper left is at (x, y) mm.
@@ -132,7 +116,7 @@ static void draw_margins(cairo_t *cr, const sheen_board *board, const sheen_shee
     say(cr, sheet->board_x_mm, below + 16, text);
 }
 
-static cairo_surface_t *open_surface(const sheen_sheet *sheet, sheen_sheet_format format, output *out)
+static cairo_surface_t *open_surface(const sheen_sheet *sheet, sheen_sheet_format format, sheen_bytes *out)
 {
     const double width = sheet->width_mm * POINTS_PER_MM, height = sheet->height_mm * POINTS_PER_MM;
     return format == SHEEN_SHEET_PDF ? cairo_pdf_surface_create_for_stream(append, out, width, height)
@@ -142,7 +126,7 @@ static cairo_surface_t *open_surface(const sheen_sheet *sheet, sheen_sheet_forma
 sheen_status sheen_sheet_print(const sheen_board *boards, size_t n, const sheen_sheet *sheet,
                                sheen_sheet_format format, const char *path, sheen_err *err)
 {
-    output out = {0};
+    sheen_bytes out = {0};
     if (!n || (format == SHEEN_SHEET_SVG && n > 1))
         return sheen_fail(err, SHEEN_EARG, "%zu boards do not make one picture", n);
     cairo_surface_t *surface = open_surface(sheet, format, &out);
