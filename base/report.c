@@ -169,9 +169,11 @@ static void append_base64(sheen_report *r, const uint8_t *data, size_t size_byte
     for (size_t i = 0; i < size_bytes; i += 3) {
         const uint32_t a = data[i], b = i + 1 < size_bytes ? data[i + 1] : 0,
                        c = i + 2 < size_bytes ? data[i + 2] : 0, bits = a << 16 | b << 8 | c;
-        const char four[4] = {digits[bits >> 18], digits[bits >> 12 & 63],
-                              i + 1 < size_bytes ? digits[bits >> 6 & 63] : '=',
-                              i + 2 < size_bytes ? digits[bits & 63] : '='};
+        char four[4] = {digits[bits >> 18], digits[bits >> 12 & 63], '=', '='};
+        if (i + 1 < size_bytes)
+            four[2] = digits[bits >> 6 & 63];
+        if (i + 2 < size_bytes)
+            four[3] = digits[bits & 63];
         append(r, four, 4);
     }
 }

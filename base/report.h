@@ -81,7 +81,7 @@ void sheen_plot_point(sheen_report *r, const sheen_plot *p, double x, double y, 
 void sheen_plot_line(sheen_report *r, const sheen_plot *p, const double *xy, size_t n, const char *colour);
 void sheen_plot_arrow(sheen_report *r, const sheen_plot *p, const double from[2], const double to[2],
                       const char *colour);
-void sheen_plot_label(sheen_report *r, const sheen_plot *p, double x, double y, const char *text);
+void sheen_plot_label(sheen_report *r, const sheen_plot *p, double x, double y, const char *words);
 // Upright bars from y = 0 (or y_min) of n bins from x_min to x_max.
 void sheen_plot_bars(sheen_report *r, const sheen_plot *p, const double *values, size_t n,
                      const char *colour);

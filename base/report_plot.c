@@ -59,8 +59,11 @@ static void draw_ticks(sheen_report *r, const sheen_plot *p, bool across)
 {
     const double low = across ? p->x_min : p->y_min, high = across ? p->x_max : p->y_max;
     const double step = round_step(high - low, across ? 6 : 5);
-    double value = ceil(low / step - 1e-9) * step;
-    for (int i = 0; i < MAX_TICKS && value <= high + 1e-9 * step; i++, value += step) {
+    const double first = ceil(low / step - 1e-9);
+    for (int i = 0; i < MAX_TICKS; i++) {
+        const double value = (first + i) * step;
+        if (value > high + 1e-9 * step)
+            break;
         char label[32];
         snprintf(label, sizeof label, "%.4g", fabs(value) < 1e-9 * step ? 0 : value);
         if (across) {

@@ -149,28 +149,30 @@ static sheen_status print(const sheen_board_set *set, const sheen_sheet *sheet, 
     return s;
 }
 
-static void say(sheen_cli *cli, const board_args *a, const sheen_board_set *set, const sheen_sheet *sheet,
-                const char *json_path)
+static void say(sheen_cli *cli, const board_args *a, const sheen_board_layout *layout,
+                const sheen_board_set *set, const sheen_sheet *sheet, const char *json_path)
 {
-    const sheen_board *first = &set->boards[0], *last = &set->boards[set->n_boards - 1];
-    sheen_cli_say(
-        cli, "%s: %zu page%s of %g x %g mm, each %d x %d squares of %g mm (%g x %g mm), tags %d to %d",
-        a->output, set->n_boards, sheen_cli_plural(set->n_boards), sheet->width_mm, sheet->height_mm,
-        first->n_cols, first->n_rows, 1000 * first->square_m, sheet->board_width_mm, sheet->board_height_mm,
-        first->tags[0].id, last->tags[last->n_tags - 1].id);
+    int last_id = a->first_id - 1;
+    for (size_t i = 0; i < set->n_boards; i++)
+        last_id += (int)set->boards[i].n_tags;
+    sheen_cli_say(cli,
+                  "%s: %zu page%s of %g x %g mm, each %d x %d squares of %g mm (%g x %g mm), tags %d to %d",
+                  a->output, set->n_boards, sheen_cli_plural(set->n_boards), sheet->width_mm,
+                  sheet->height_mm, layout->n_cols, layout->n_rows, 1000 * layout->square_m,
+                  sheet->board_width_mm, sheet->board_height_mm, a->first_id, last_id);
     sheen_cli_say(cli,
                   "%s: their measures. Print at 100 %%, glue the print to something flat, measure the %d "
                   "squares across",
-                  json_path, first->n_cols);
+                  json_path, layout->n_cols);
     sheen_cli_say(cli, "with a good ruler, and where they are not %g mm: sheen board -o %s --measured-mm MM",
                   sheet->board_width_mm, a->output);
     sheen_json_put_string(&cli->out, "made", a->output);
     sheen_json_put_string(&cli->out, "board", json_path);
     sheen_json_put_int(&cli->out, "boards", (long long)set->n_boards);
-    sheen_json_put_number(&cli->out, "square_m", first->square_m);
-    sheen_json_put_number(&cli->out, "tag_side_m", first->tag_side_m);
-    sheen_json_put_int(&cli->out, "first_id", first->tags[0].id);
-    sheen_json_put_int(&cli->out, "last_id", last->tags[last->n_tags - 1].id);
+    sheen_json_put_number(&cli->out, "square_m", layout->square_m);
+    sheen_json_put_number(&cli->out, "tag_side_m", layout->tag_side_m);
+    sheen_json_put_int(&cli->out, "first_id", a->first_id);
+    sheen_json_put_int(&cli->out, "last_id", last_id);
 }
 
 static sheen_status run(sheen_cli *cli, sheen_err *err)
@@ -179,7 +181,7 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
     char json_path[SHEEN_PATH_MAX];
     sheen_sheet sheet;
     sheen_board_layout layout;
-    sheen_board boards[SHEEN_BOARD_SET_MAX];
+    sheen_board boards[SHEEN_BOARD_SET_MAX] = {0};
     sheen_board_set set = {.boards = boards};
     sheen_status s = parse(cli, &a, err);
     if (s || cli->wants_help)
@@ -196,7 +198,7 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
     if (!s)
         s = sheen_boards_save(set.boards, set.n_boards, json_path, err);
     if (!s)
-        say(cli, &a, &set, &sheet, json_path);
+        say(cli, &a, &layout, &set, &sheet, json_path);
     for (size_t i = 0; i < set.n_boards; i++)
         sheen_board_release(&set.boards[i]);
     return s == SHEEN_EARG ? sheen_cli_option_status(cli, s) : s; // sizes and ids that do not fit
