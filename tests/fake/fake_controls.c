@@ -249,7 +249,7 @@ int fake_ext_controls(fake_v4l2 *f, unsigned long request, struct v4l2_ext_contr
     const int code = check_all(f, request, c, &at);
     if (code) {
         // What is wrong with a set is told only where it was tried.
-        c->error_idx = request == VIDIOC_S_EXT_CTRLS ? c->count : at;
+        c->error_idx = request == VIDIOC_TRY_EXT_CTRLS ? at : c->count;
         return code;
     }
     for (uint32_t i = 0; i < c->count; i++) {

@@ -39,7 +39,7 @@ int fake_subscribe(fake_v4l2 *f, fake_file *file, const struct v4l2_event_subscr
     file->events[at].id = e->id;
     file->events[at].flags = e->flags;
     file->events[at].changes = 0;
-    if (e->flags & V4L2_EVENT_SUB_FL_SEND_INITIAL)
+    if (e->flags & V4L2_EVENT_SUB_FL_SEND_INITIAL && c->type != V4L2_CTRL_TYPE_CTRL_CLASS)
         file->events[at].changes = V4L2_EVENT_CTRL_CH_FLAGS |
                                    (c->flags & V4L2_CTRL_FLAG_WRITE_ONLY ? 0 : V4L2_EVENT_CTRL_CH_VALUE);
     return 0;

@@ -132,7 +132,6 @@ static int rate(const fake_v4l2 *f, struct v4l2_streamparm *p)
     memset(&p->parm, 0, sizeof p->parm);
     p->parm.capture.capability = V4L2_CAP_TIMEPERFRAME;
     p->parm.capture.timeperframe = interval(f);
-    p->parm.capture.readbuffers = 2;
     return 0;
 }
 

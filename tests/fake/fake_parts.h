@@ -41,4 +41,23 @@ void fake_expose(fake_v4l2 *f);
 // The settings become those that were recorded with a payload.
 void fake_play_settings(fake_v4l2 *f, size_t i_payload);
 
+// A recording as it is handed to the preload library, through a file that is inherited: this, n_frames of
+// fake_recorded_frame, then the payloads.
+typedef struct fake_recording {
+    char magic[8]; // FAKE_MAGIC
+    uint64_t n_frames;
+    uint32_t fourcc, width_px, height_px, stride_bytes;
+    sheen_colorimetry color;
+} fake_recording;
+
+typedef struct fake_recorded_frame {
+    uint64_t at_bytes, size_bytes; // of the payload, from the file's beginning
+    sheen_frame_info info;
+} fake_recorded_frame;
+
+#define FAKE_MAGIC "sheenf1"
+// What with_camera says to the library.
+#define FAKE_ENV_PLAN "SHEEN_FAKE_PLAN"
+#define FAKE_ENV_FILE "SHEEN_FAKE_FILE"
+
 #endif

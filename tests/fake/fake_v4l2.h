@@ -22,7 +22,7 @@ enum {
     FAKE_MAX_CONTROLS = 48,
     FAKE_MAX_BUFFERS = 32,
     FAKE_MAX_LAG = 16,
-    FAKE_MAX_FILES = 8,
+    FAKE_MAX_FILES = 128,
     FAKE_MAX_EVENTS = 48
 };
 enum {
