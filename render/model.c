@@ -136,6 +136,15 @@ static void write_lights(sheen_json_writer *w, const sheen_model *m)
     sheen_json_put_numbers(w, "light_rgb", m->light_rgb, 3);
 }
 
+void sheen_model_put_numbers(sheen_json_writer *w, const sheen_model *m)
+{
+    sheen_json_put_string(w, "method", m->method);
+    sheen_json_put_string(w, "moving", m->moving == SHEEN_MOVING_OBJECT ? "object" : "camera");
+    sheen_json_put_numbers(w, "rt_world_obj", m->rt_world_obj, 6);
+    write_lights(w, m);
+    sheen_model_put_surroundings(w, m);
+}
+
 static void write_surface(sheen_json_writer *w, const sheen_model *m, const char *mesh_file,
                           const char *mesh_digest)
 {
@@ -197,22 +206,14 @@ sheen_status sheen_model_save(const sheen_model *m, const sheen_session *s, cons
     if ((status = sheen_session_path(mesh_path, s, mesh_file, err)) ||
         (status = sheen_file_digest(mesh_digest, mesh_path, err)) ||
         (status = sheen_path_join(path, dir, SHEEN_MODEL_FILE, err)) || (status = sheen_dir_make(dir, err)) ||
-        (status = save_texture(m, dir, err)))
+        (status = save_texture(m, dir, err)) || (status = sheen_model_save_board(m, dir, err)))
         return status;
 
     sheen_json_writer w = {0};
     sheen_json_open(&w, NULL, '{');
     sheen_json_put_string(&w, "schema", "sheen-model/1");
-    sheen_json_put_string(&w, "method", m->method);
-    sheen_json_put_string(&w, "moving", m->moving == SHEEN_MOVING_OBJECT ? "object" : "camera");
-    sheen_json_put_numbers(&w, "rt_world_obj", m->rt_world_obj, 6);
-    write_lights(&w, m);
+    sheen_model_put_numbers(&w, m);
     write_surface(&w, m, mesh_file, mesh_digest);
-    status = sheen_model_write_surroundings(&w, m, dir, err);
-    if (status) {
-        sheen_json_writer_release(&w);
-        return status;
-    }
     if (extra)
         extra(self, &w);
     sheen_json_close(&w);

@@ -5,6 +5,7 @@
 #ifndef SHEEN_RENDER_MODEL_H
 #define SHEEN_RENDER_MODEL_H
 
+#include "base/json.h"
 #include "base/json_write.h"
 #include "base/mesh.h"
 #include "base/session.h"
@@ -47,6 +48,10 @@ sheen_status sheen_model_save(const sheen_model *m, const sheen_session *s, cons
 // Reads a session's model and mesh; every number is checked. EDATA: the session has no model yet. EFORMAT:
 // damaged, or the mesh is not the one that was fitted.
 sheen_status sheen_model_load(sheen_model *m, const sheen_session *s, sheen_err *err);
+// The members of model.json that name no file (method, lights, reflectance, surroundings), into an open object and
+// out of one; read numbers are checked, a board's picture is left to the caller. EFORMAT, ENOMEM.
+void sheen_model_put_numbers(sheen_json_writer *w, const sheen_model *m);
+sheen_status sheen_model_get_numbers(sheen_model *m, const sheen_json *root, sheen_err *err);
 // model.json alone from memory (lights and parameters; texture and mesh are left empty), and how many
 // triangles and texels an edge it says the texture has.
 sheen_status sheen_model_parse(sheen_model *m, const void *data, size_t size_bytes, size_t *n_triangles,

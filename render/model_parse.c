@@ -17,10 +17,9 @@ enum { MAX_MODEL_BYTES = 256 << 20 };
 
 static sheen_status parse_head(sheen_model *m, const sheen_json *root, sheen_err *err)
 {
-    int version;
     const char *method, *moving;
-    sheen_status s = sheen_json_schema(root, SHEEN_MODEL_SCHEMA, SHEEN_MODEL_VERSION, &version, err);
-    if (s || (s = sheen_json_string(root, "method", &method, err)) ||
+    sheen_status s;
+    if ((s = sheen_json_string(root, "method", &method, err)) ||
         (s = sheen_json_string(root, "moving", &moving, err)) ||
         (s = sheen_json_numbers(root, "rt_world_obj", m->rt_world_obj, 6, err)) ||
         (s = sheen_json_number(root, "k_s", &m->k_s, err)) ||
@@ -113,18 +112,27 @@ static sheen_status parse_texture(const sheen_json *root, size_t *n_triangles, i
     return SHEEN_OK;
 }
 
-static sheen_status parse_root(sheen_model *m, const sheen_json *root, size_t *n_triangles,
-                               int *texels_per_edge, sheen_err *err)
+sheen_status sheen_model_get_numbers(sheen_model *m, const sheen_json *root, sheen_err *err)
 {
     sheen_status s = parse_head(m, root, err);
     if (!s)
         s = parse_lights(m, root, err);
     if (!s)
-        s = parse_texture(root, n_triangles, texels_per_edge, err);
-    if (!s)
-        s = sheen_model_parse_surroundings(m, root, err);
+        s = sheen_model_get_surroundings(m, root, err);
     if (!s)
         s = sheen_model_check(m, SHEEN_EFORMAT, err);
+    return s;
+}
+
+static sheen_status parse_root(sheen_model *m, const sheen_json *root, size_t *n_triangles,
+                               int *texels_per_edge, sheen_err *err)
+{
+    int version;
+    sheen_status s = sheen_json_schema(root, SHEEN_MODEL_SCHEMA, SHEEN_MODEL_VERSION, &version, err);
+    if (!s)
+        s = sheen_model_get_numbers(m, root, err);
+    if (!s)
+        s = parse_texture(root, n_triangles, texels_per_edge, err);
     return s;
 }
 

@@ -13,11 +13,11 @@ enum { SHEEN_MODEL_VERSION = 1 };
 // Every number of a model that is not the mesh's or the texture's. Fails with `code`.
 sheen_status sheen_model_check(const sheen_model *m, sheen_status code, sheen_err *err);
 
-// The members beyond the paper (model_surroundings.c): checked, written with board.exr beside, parsed, and the picture read.
+// The members beyond the paper (model_surroundings.c): checked, put, board.exr saved, got, and the picture read.
 sheen_status sheen_model_check_surroundings(const sheen_surroundings *e, sheen_status code, sheen_err *err);
-sheen_status sheen_model_write_surroundings(sheen_json_writer *w, const sheen_model *m, const char *dir,
-                                            sheen_err *err);
-sheen_status sheen_model_parse_surroundings(sheen_model *m, const sheen_json *root, sheen_err *err);
+void sheen_model_put_surroundings(sheen_json_writer *w, const sheen_model *m);
+sheen_status sheen_model_save_board(const sheen_model *m, const char *dir, sheen_err *err);
+sheen_status sheen_model_get_surroundings(sheen_model *m, const sheen_json *root, sheen_err *err);
 sheen_status sheen_model_load_surroundings(sheen_model *m, const char *dir, const sheen_json *root,
                                            sheen_err *err);
 

@@ -34,14 +34,12 @@ sheen_status sheen_model_check_surroundings(const sheen_surroundings *e, sheen_s
     return SHEEN_OK;
 }
 
-sheen_status sheen_model_write_surroundings(sheen_json_writer *w, const sheen_model *m, const char *dir,
-                                            sheen_err *err)
+void sheen_model_put_surroundings(sheen_json_writer *w, const sheen_model *m)
 {
     const sheen_surroundings *e = &m->surroundings;
-    char path[SHEEN_PATH_MAX];
     sheen_json_put_bool(w, "shadows", m->shadows);
     if (!e->present)
-        return SHEEN_OK;
+        return;
     sheen_json_open(w, "surroundings", '{');
     sheen_json_put_number(w, "f0", e->f0);
     sheen_json_open(w, "ambient_rgb", '[');
@@ -58,13 +56,18 @@ sheen_status sheen_model_write_surroundings(sheen_json_writer *w, const sheen_mo
         sheen_json_close(w);
     }
     sheen_json_close(w);
-    if (!e->board.data)
-        return SHEEN_OK;
-    const sheen_status s = sheen_path_join(path, dir, BOARD_FILE, err);
-    return s ? s : sheen_exr_write(path, &e->board, NULL, true, err);
 }
 
-sheen_status sheen_model_parse_surroundings(sheen_model *m, const sheen_json *root, sheen_err *err)
+sheen_status sheen_model_save_board(const sheen_model *m, const char *dir, sheen_err *err)
+{
+    char path[SHEEN_PATH_MAX];
+    if (!m->surroundings.present || !m->surroundings.board.data)
+        return SHEEN_OK;
+    const sheen_status s = sheen_path_join(path, dir, BOARD_FILE, err);
+    return s ? s : sheen_exr_write(path, &m->surroundings.board, NULL, true, err);
+}
+
+sheen_status sheen_model_get_surroundings(sheen_model *m, const sheen_json *root, sheen_err *err)
 {
     sheen_surroundings *e = &m->surroundings;
     const sheen_json *in = sheen_json_get(root, "surroundings"), *board;

@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const marks[] = {"@SHEEN_TITLE@", "@SHEEN_GEOMETRY@", "@SHEEN_TEXTURE@"};
-
 // RFC 4648. Returns the end of what was written: 4 characters for each 3 bytes begun.
 static char *put_base64(char *to, const uint8_t *data, size_t size_bytes)
 {
@@ -47,17 +45,54 @@ static char *put_escaped(char *to, const char *text)
     return to;
 }
 
-sheen_status sheen_page_html(char **text, size_t *size_bytes, const sheen_page *page, const char *html,
-                             const char *title, sheen_err *err)
+// JSON inside a script element: no '<' may start a tag there.
+static char *put_json(char *to, const char *json)
 {
+    static const char escaped[] = "\\u003c";
+    for (; *json; json++)
+        if (*json == '<') {
+            memcpy(to, escaped, sizeof escaped - 1);
+            to += sizeof escaped - 1;
+        } else {
+            *to++ = *json;
+        }
+    return to;
+}
+
+static char *put_part(char *to, int part, const sheen_page *page, const sheen_page_words *words)
+{
+    switch (part) {
+    case 0:
+        return put_escaped(to, words->sources);
+    case 1:
+        return put_escaped(to, words->title);
+    case 2:
+        return put_json(to, words->more_json);
+    case 3:
+        return put_base64(to, page->geometry, page->geometry_bytes);
+    case 4:
+        return put_base64(to, page->texture, page->texture_bytes);
+    default:
+        return put_base64(to, page->board, page->board_bytes);
+    }
+}
+
+sheen_status sheen_page_html(char **text, size_t *size_bytes, const sheen_page *page, const char *html,
+                             const sheen_page_words *words, sheen_err *err)
+{
+    static const char *const marks[] = {"@SHEEN_SOURCES@",  "@SHEEN_TITLE@",   "@SHEEN_MORE@",
+                                        "@SHEEN_GEOMETRY@", "@SHEEN_TEXTURE@", "@SHEEN_BOARD@"};
+    enum { N_PARTS = sizeof marks / sizeof *marks };
     *text = NULL;
     *size_bytes = 0;
-    const size_t room_bytes = strlen(html) + LONGEST_ENTITY * strlen(title) +
-                              4 * ((page->geometry_bytes + 2) / 3 + (page->texture_bytes + 2) / 3) + 1;
+    const size_t n_words = strlen(words->title) + strlen(words->sources) + strlen(words->more_json);
+    const size_t room_bytes = strlen(html) + LONGEST_ENTITY * n_words +
+                              4 * (page->geometry_bytes + page->texture_bytes + page->board_bytes + 9) / 3 +
+                              9;
     char *room = malloc(room_bytes), *to = room;
     if (!room)
         return sheen_fail_memory(err, (double)room_bytes, "a page");
-    for (int part = 0; part < 3; part++) {
+    for (int part = 0; part < N_PARTS; part++) {
         const char *mark = strstr(html, marks[part]);
         if (!mark) {
             free(room);
@@ -65,13 +100,8 @@ sheen_status sheen_page_html(char **text, size_t *size_bytes, const sheen_page *
         }
         const size_t n = (size_t)(mark - html);
         memcpy(to, html, n);
-        to += n;
+        to = put_part(to + n, part, page, words);
         html = mark + strlen(marks[part]);
-        if (part == 0)
-            to = put_escaped(to, title);
-        else
-            to = part == 1 ? put_base64(to, page->geometry, page->geometry_bytes)
-                           : put_base64(to, page->texture, page->texture_bytes);
     }
     const size_t n = strlen(html);
     memcpy(to, html, n + 1);

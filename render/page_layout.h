@@ -8,19 +8,17 @@
 
 #include "render/texture.h"
 
+#define SHEEN_PAGE_SCHEMA "sheen-page"
+
 enum {
-    SHEEN_PAGE_MAGIC = 0x314e4853, // "SHN1"
-    // u32: magic, vertices, triangles, texels an edge, atlas columns, lights, moving, 0
-    SHEEN_PAGE_N_INTS = 8,
-    // f64: k_S, sigma, light_rgb[3], rt_world_obj[6], rt_board_obj[6], focal/width, box min[3], box max[3]
-    SHEEN_PAGE_N_REALS = 24,
-    SHEEN_PAGE_HEADER_BYTES = 4 * SHEEN_PAGE_N_INTS + 8 * SHEEN_PAGE_N_REALS,
-    SHEEN_PAGE_VERTEX_BYTES = 10,  // 5 numbers of 16 bits, each in two planes: x y z, octahedral normal
-    SHEEN_PAGE_TRIANGLE_BYTES = 9, // 3 numbers of 24 bits, in three planes
-    SHEEN_PAGE_LIGHT_BYTES = 10,   // direction 3 x i16, weight f32
+    SHEEN_PAGE_VERSION = 2,
+    SHEEN_PAGE_MAGIC = 0x324e4853,   // "SHN2"
+    SHEEN_PAGE_HEADER_BYTES = 2 * 4, // u32: magic, bytes of the JSON text that follows
+    SHEEN_PAGE_VERTEX_BYTES = 10,    // 5 numbers of 16 bits, each in two planes: x y z, octahedral normal
+    SHEEN_PAGE_TRIANGLE_BYTES = 9,   // 3 numbers of 24 bits, in three planes
     SHEEN_PAGE_MAX_VERTICES = 1 << 24,
     SHEEN_PAGE_MAX_TRIANGLES = 1 << 22,
-    SHEEN_PAGE_MAX_LIGHTS = 1 << 20,
+    SHEEN_PAGE_MAX_BOARD_SIDE_PX = 4096,
 };
 
 static inline size_t sheen_page_seen_bytes(size_t n_triangles, int texels_per_edge)
@@ -28,11 +26,10 @@ static inline size_t sheen_page_seen_bytes(size_t n_triangles, int texels_per_ed
     return (n_triangles * sheen_texels_per_triangle(texels_per_edge) + 7) / 8;
 }
 
-static inline size_t sheen_page_bytes(size_t n_vertices, size_t n_triangles, int texels_per_edge,
-                                      size_t n_lights)
+// Of what follows the JSON text.
+static inline size_t sheen_page_surface_bytes(size_t n_vertices, size_t n_triangles, int texels_per_edge)
 {
-    return SHEEN_PAGE_HEADER_BYTES + SHEEN_PAGE_VERTEX_BYTES * n_vertices +
-           SHEEN_PAGE_TRIANGLE_BYTES * n_triangles + SHEEN_PAGE_LIGHT_BYTES * n_lights +
+    return SHEEN_PAGE_VERTEX_BYTES * n_vertices + SHEEN_PAGE_TRIANGLE_BYTES * n_triangles +
            sheen_page_seen_bytes(n_triangles, texels_per_edge);
 }
 

@@ -11,8 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "render/model_private.h"
+#include "render/pack_avif.h"
 #include "render/pack_deflate.h"
-#include "render/pack_webp.h"
 #include "render/page_layout.h"
 
 typedef struct packing {
@@ -27,6 +28,7 @@ void sheen_page_release(sheen_page *page)
 {
     free(page->geometry);
     free(page->texture);
+    free(page->board);
     *page = (sheen_page){0};
 }
 
@@ -36,48 +38,44 @@ static void put_u32(packing *p, uint32_t x)
         *p->at++ = (uint8_t)(x >> (8 * k));
 }
 
-static void put_f32(packing *p, float x)
+static float brightest(const sheen_image *board)
 {
-    uint32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    put_u32(p, bits);
+    float most = 0;
+    const size_t n = 3 * (size_t)board->width_px * (size_t)board->height_px;
+    for (size_t i = 0; i < n; i++)
+        most = fmaxf(most, board->data[i]);
+    return most > 0 ? most : 1;
 }
 
-static void put_f64(packing *p, const double *x, size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        uint64_t bits;
-        memcpy(&bits, &x[i], sizeof bits);
-        put_u32(p, (uint32_t)bits);
-        put_u32(p, (uint32_t)(bits >> 32));
-    }
-}
-
-static void put_header(packing *p, const sheen_page_view *view)
+static void put_numbers(sheen_json_writer *w, const packing *p, const sheen_page_view *view)
 {
     const sheen_model *m = p->model;
+    const sheen_image *board = &m->surroundings.board;
     int columns, width_px, height_px;
     sheen_texture_atlas_size(m->mesh.n_triangles, m->texture.texels_per_edge, &columns, &width_px,
                              &height_px);
-    put_u32(p, SHEEN_PAGE_MAGIC);
-    put_u32(p, (uint32_t)m->mesh.n_vertices);
-    put_u32(p, (uint32_t)m->mesh.n_triangles);
-    put_u32(p, (uint32_t)m->texture.texels_per_edge);
-    put_u32(p, (uint32_t)columns);
-    put_u32(p, (uint32_t)m->lights.count);
-    put_u32(p, m->moving == SHEEN_MOVING_OBJECT);
-    put_u32(p, 0);
-    put_f64(p, &m->k_s, 1);
-    put_f64(p, &m->sigma_rad, 1);
-    put_f64(p, m->light_rgb, 3);
-    put_f64(p, m->rt_world_obj, 6);
-    put_f64(p, view->rt_board_obj, 6);
-    put_f64(p, &view->focal_per_width, 1);
-    for (int side = 0; side < 2; side++)
-        for (int k = 0; k < 3; k++) {
-            const double x = (double)(side ? p->max_obj : p->min_obj)[k];
-            put_f64(p, &x, 1);
-        }
+    sheen_json_open(w, NULL, '{');
+    sheen_json_put_string(w, "schema", SHEEN_PAGE_SCHEMA "/2");
+    sheen_json_put_int(w, "n_vertices", (long long)m->mesh.n_vertices);
+    sheen_json_put_int(w, "n_triangles", (long long)m->mesh.n_triangles);
+    sheen_json_put_int(w, "texels_per_edge", m->texture.texels_per_edge);
+    sheen_json_put_int(w, "columns", columns);
+    sheen_json_put_numbers(w, "rt_board_obj", view->rt_board_obj, 6);
+    sheen_json_put_number(w, "focal_per_width", view->focal_per_width);
+    for (int side = 0; side < 2; side++) {
+        const float *corner = side ? p->max_obj : p->min_obj;
+        const double x[3] = {(double)corner[0], (double)corner[1], (double)corner[2]};
+        sheen_json_put_numbers(w, side ? "max_obj" : "min_obj", x, 3);
+    }
+    if (board->data) {
+        const double size_px[2] = {board->width_px, board->height_px};
+        sheen_json_put_numbers(w, "board_size_px", size_px, 2);
+        sheen_json_put_number(w, "board_white", (double)brightest(board));
+    }
+    sheen_json_open(w, "model", '{');
+    sheen_model_put_numbers(w, m);
+    sheen_json_close(w);
+    sheen_json_close(w);
 }
 
 static void order_vertices(packing *p)
@@ -164,20 +162,6 @@ static void put_triangles(packing *p)
     p->at += SHEEN_PAGE_TRIANGLE_BYTES * mesh->n_triangles;
 }
 
-static void put_lights(packing *p)
-{
-    const sheen_lights *l = &p->model->lights;
-    for (size_t i = 0; i < l->count; i++) {
-        const float d[3] = {l->dx[i], l->dy[i], l->dz[i]};
-        for (int k = 0; k < 3; k++) {
-            const int code = (int)lrintf(32767.0f * fminf(fmaxf(d[k], -1), 1));
-            *p->at++ = (uint8_t)(code & 0xff);
-            *p->at++ = (uint8_t)((code >> 8) & 0xff);
-        }
-        put_f32(p, l->weight[i]);
-    }
-}
-
 static void put_seen(packing *p)
 {
     const sheen_texture *t = &p->model->texture;
@@ -190,37 +174,59 @@ static void put_seen(packing *p)
     p->at += size_bytes;
 }
 
+static sheen_status pack_surface(sheen_page *out, packing *p, const char *json, sheen_err *err)
+{
+    const sheen_mesh *mesh = &p->model->mesh;
+    const size_t json_bytes = strlen(json),
+                 size_bytes = SHEEN_PAGE_HEADER_BYTES + json_bytes +
+                              sheen_page_surface_bytes(mesh->n_vertices, mesh->n_triangles,
+                                                       p->model->texture.texels_per_edge);
+    p->at = p->bytes = malloc(size_bytes);
+    if (!p->bytes || json_bytes > UINT32_MAX)
+        return sheen_fail_memory(err, (double)size_bytes, "a packed model");
+    put_u32(p, SHEEN_PAGE_MAGIC);
+    put_u32(p, (uint32_t)json_bytes);
+    memcpy(p->at, json, json_bytes);
+    p->at += json_bytes;
+    put_vertices(p);
+    put_triangles(p);
+    put_seen(p);
+    assert(p->at == p->bytes + size_bytes);
+    return sheen_deflate(&out->geometry, &out->geometry_bytes, p->bytes, size_bytes, err);
+}
+
 static sheen_status pack_geometry(sheen_page *out, const sheen_model *m, const sheen_page_view *view,
                                   sheen_err *err)
 {
     packing p = {.model = m};
-    const size_t size_bytes = sheen_page_bytes(m->mesh.n_vertices, m->mesh.n_triangles,
-                                               m->texture.texels_per_edge, m->lights.count);
-    sheen_status s = SHEEN_OK;
-    p.at = p.bytes = malloc(size_bytes);
+    sheen_json_writer w = {0};
+    sheen_status s;
     p.new_of = malloc(m->mesh.n_vertices * sizeof *p.new_of);
     p.old_of = malloc(m->mesh.n_vertices * sizeof *p.old_of);
-    if (!p.bytes || !p.new_of || !p.old_of) {
-        s = sheen_fail_memory(err, (double)size_bytes, "a packed model");
+    sheen_mesh_bounds(&m->mesh, p.min_obj, p.max_obj);
+    put_numbers(&w, &p, view);
+    const char *json = sheen_json_text(&w);
+    if (!json || !p.new_of || !p.old_of) {
+        s = sheen_fail_memory(err, 8.0 * (double)m->mesh.n_vertices, "a packed model");
     } else {
-        sheen_mesh_bounds(&m->mesh, p.min_obj, p.max_obj);
         order_vertices(&p);
-        put_header(&p, view);
-        put_vertices(&p);
-        put_triangles(&p);
-        put_lights(&p);
-        put_seen(&p);
-        assert(p.at == p.bytes + size_bytes);
-        s = sheen_deflate(&out->geometry, &out->geometry_bytes, p.bytes, size_bytes, err);
+        s = pack_surface(out, &p, json, err);
     }
+    sheen_json_writer_release(&w);
     free(p.bytes);
     free(p.new_of);
     free(p.old_of);
     return s;
 }
 
+static uint8_t code_of(float light)
+{
+    return (uint8_t)lrintf(sheen_transfer_encode(SHEEN_TRANSFER_SRGB, fminf(fmaxf(light, 0), 1)) * 255.0f);
+}
+
 // Unseen texels get the colour of the seen one before them: they are not shown, and cost least so.
-static sheen_status pack_texture(sheen_page *out, const sheen_texture *t, sheen_err *err)
+static sheen_status pack_texture(sheen_page *out, const sheen_texture *t, const sheen_page_options *o,
+                                 sheen_err *err)
 {
     sheen_image atlas = {0};
     uint8_t *rgb = NULL;
@@ -231,17 +237,34 @@ static sheen_status pack_texture(sheen_page *out, const sheen_texture *t, sheen_
     if (!(rgb = malloc(3 * n)))
         s = sheen_fail_memory(err, 3.0 * (double)n, "a page's texture");
     for (size_t i = 0; !s && i < n; i++)
-        for (size_t c = 0; c < 3; c++) {
-            const float code = sheen_transfer_encode(SHEEN_TRANSFER_SRGB,
-                                                     fminf(fmaxf(atlas.data[4 * i + c], 0), 1));
-            rgb[3 * i + c] = atlas.data[4 * i + 3] > 0 ? (uint8_t)lrintf(code * 255.0f)
+        for (size_t c = 0; c < 3; c++)
+            rgb[3 * i + c] = atlas.data[4 * i + 3] > 0 ? code_of(atlas.data[4 * i + c])
                              : i                       ? rgb[3 * (i - 1) + c]
                                                        : 0;
-        }
     if (!s)
-        s = sheen_webp_encode(&out->texture, &out->texture_bytes, rgb, atlas.width_px, atlas.height_px, err);
+        s = sheen_avif_encode(&out->texture, &out->texture_bytes, rgb, atlas.width_px, atlas.height_px,
+                              o->quantizer, o->n_threads, err);
     free(rgb);
     sheen_image_release(&atlas);
+    return s;
+}
+
+// A surface mirrors some twentieth of the board: a coarser code than the texture's does.
+static sheen_status pack_board(sheen_page *out, const sheen_image *board, int n_threads, sheen_err *err)
+{
+    enum { BOARD_QUANTIZER = 12 };
+    if (!board->data)
+        return SHEEN_OK;
+    const float white = brightest(board);
+    const size_t n = 3 * (size_t)board->width_px * (size_t)board->height_px;
+    uint8_t *rgb = malloc(n);
+    if (!rgb)
+        return sheen_fail_memory(err, (double)n, "a page's board");
+    for (size_t i = 0; i < n; i++)
+        rgb[i] = code_of(board->data[i] / white);
+    const sheen_status s = sheen_avif_encode(&out->board, &out->board_bytes, rgb, board->width_px,
+                                             board->height_px, BOARD_QUANTIZER, n_threads, err);
+    free(rgb);
     return s;
 }
 
@@ -262,31 +285,31 @@ static sheen_status check(const sheen_model *m, const sheen_page_view *view, she
         return sheen_fail(err, SHEEN_EARG,
                           "%zu triangles are too many for a page (at most %d); fit with a mesh of fewer",
                           mesh->n_triangles, SHEEN_PAGE_MAX_TRIANGLES);
-    if (m->lights.count > SHEEN_PAGE_MAX_LIGHTS)
-        return sheen_fail(err, SHEEN_EARG, "%zu lights are too many for a page (at most %d)", m->lights.count,
-                          SHEEN_PAGE_MAX_LIGHTS);
-    bool good = isfinite(m->k_s) && m->k_s >= 0 && isfinite(m->sigma_rad) && m->sigma_rad > 0 &&
-                isfinite(view->focal_per_width) && view->focal_per_width > 0 &&
+    if (m->surroundings.board.data && (m->surroundings.board.width_px > SHEEN_PAGE_MAX_BOARD_SIDE_PX ||
+                                       m->surroundings.board.height_px > SHEEN_PAGE_MAX_BOARD_SIDE_PX))
+        return sheen_fail(err, SHEEN_EARG, "a board of %d x %d px is too large for a page",
+                          m->surroundings.board.width_px, m->surroundings.board.height_px);
+    bool good = isfinite(view->focal_per_width) && view->focal_per_width > 0 &&
                 all_finite(mesh->p_obj, 3 * mesh->n_vertices) &&
-                all_finite(mesh->n_obj, 3 * mesh->n_vertices) && all_finite(m->lights.dx, m->lights.count) &&
-                all_finite(m->lights.dy, m->lights.count) && all_finite(m->lights.dz, m->lights.count) &&
-                all_finite(m->lights.weight, m->lights.count);
+                all_finite(mesh->n_obj, 3 * mesh->n_vertices);
     for (int k = 0; k < 6; k++)
-        good = good && isfinite(m->rt_world_obj[k]) && isfinite(view->rt_board_obj[k]);
-    for (int c = 0; c < 3; c++)
-        good = good && isfinite(m->light_rgb[c]);
+        good = good && isfinite(view->rt_board_obj[k]);
     return good ? SHEEN_OK : sheen_fail(err, SHEEN_EARG, "the model holds numbers that are not usable");
 }
 
 sheen_status sheen_page_pack(sheen_page *out, const sheen_model *model, const sheen_page_view *view,
-                             sheen_err *err)
+                             const sheen_page_options *options, sheen_err *err)
 {
     *out = (sheen_page){0};
     sheen_status s = check(model, view, err);
     if (!s)
+        s = sheen_model_check(model, SHEEN_EARG, err);
+    if (!s)
         s = pack_geometry(out, model, view, err);
     if (!s)
-        s = pack_texture(out, &model->texture, err);
+        s = pack_texture(out, &model->texture, options, err);
+    if (!s)
+        s = pack_board(out, &model->surroundings.board, options->n_threads, err);
     if (s)
         sheen_page_release(out);
     return s;

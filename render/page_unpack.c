@@ -7,19 +7,23 @@
 #include <string.h>
 
 #include "base/vec.h"
+#include "render/pack_avif.h"
 #include "render/pack_deflate.h"
-#include "render/pack_webp.h"
 #include "render/page_layout.h"
 
 static const size_t most_bytes = (size_t)1 << 28;
 
 typedef struct unpacking {
     const uint8_t *at; // what is read next; sizes were checked before
-    uint32_t ints[SHEEN_PAGE_N_INTS];
-    double reals[SHEEN_PAGE_N_REALS];
-    size_t n_vertices, n_triangles, n_lights;
-    int texels_per_edge;
+    double min_obj[3], max_obj[3], board_white;
+    size_t n_vertices, n_triangles;
+    int texels_per_edge, board_width_px, board_height_px; // 0 x 0: no board
 } unpacking;
+
+static sheen_status damaged(sheen_err *err)
+{
+    return sheen_fail(err, SHEEN_EFORMAT, "the packed model is damaged");
+}
 
 static uint32_t get_u32(unpacking *u)
 {
@@ -28,44 +32,74 @@ static uint32_t get_u32(unpacking *u)
     return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }
 
-static double get_f64(unpacking *u)
+static sheen_status get_sizes(unpacking *u, const sheen_json *root, sheen_err *err)
 {
-    const uint64_t low = get_u32(u), high = get_u32(u), bits = low | high << 32;
-    double x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
+    int n_vertices, n_triangles, columns, want_columns, width_px, height_px;
+    double board_size_px[2];
+    sheen_status s;
+    if ((s = sheen_json_int(root, "n_vertices", 1, SHEEN_PAGE_MAX_VERTICES, &n_vertices, err)) ||
+        (s = sheen_json_int(root, "n_triangles", 1, SHEEN_PAGE_MAX_TRIANGLES, &n_triangles, err)) ||
+        (s = sheen_json_int(root, "texels_per_edge", SHEEN_TEXTURE_MIN_EDGE, SHEEN_TEXTURE_MAX_EDGE,
+                            &u->texels_per_edge, err)) ||
+        (s = sheen_json_int(root, "columns", 1, SHEEN_IMAGE_MAX_SIDE_PX, &columns, err)) ||
+        (s = sheen_json_numbers(root, "min_obj", u->min_obj, 3, err)) ||
+        (s = sheen_json_numbers(root, "max_obj", u->max_obj, 3, err)))
+        return s;
+    u->n_vertices = (size_t)n_vertices;
+    u->n_triangles = (size_t)n_triangles;
+    sheen_texture_atlas_size(u->n_triangles, u->texels_per_edge, &want_columns, &width_px, &height_px);
+    if (columns != want_columns)
+        return damaged(err);
+    if (!sheen_json_get(root, "board_size_px"))
+        return SHEEN_OK;
+    if ((s = sheen_json_numbers(root, "board_size_px", board_size_px, 2, err)) ||
+        (s = sheen_json_number(root, "board_white", &u->board_white, err)))
+        return s;
+    for (int k = 0; k < 2; k++)
+        if (!(board_size_px[k] >= 1 && board_size_px[k] <= SHEEN_PAGE_MAX_BOARD_SIDE_PX))
+            return damaged(err);
+    u->board_width_px = (int)board_size_px[0];
+    u->board_height_px = (int)board_size_px[1];
+    return u->board_white > 0 ? SHEEN_OK : damaged(err);
 }
 
-static sheen_status damaged(sheen_err *err)
+static sheen_status get_numbers(sheen_model *m, sheen_page_view *view, unpacking *u, const sheen_json *root,
+                                sheen_err *err)
 {
-    return sheen_fail(err, SHEEN_EFORMAT, "the packed model is damaged");
+    int version;
+    sheen_page_view ignored = {.focal_per_width = 0}, *v = view ? view : &ignored;
+    sheen_status s;
+    if ((s = sheen_json_schema(root, SHEEN_PAGE_SCHEMA, SHEEN_PAGE_VERSION, &version, err)) ||
+        (s = get_sizes(u, root, err)) ||
+        (s = sheen_json_numbers(root, "rt_board_obj", v->rt_board_obj, 6, err)) ||
+        (s = sheen_json_number(root, "focal_per_width", &v->focal_per_width, err)))
+        return s;
+    if (!(v->focal_per_width > 0))
+        return damaged(err);
+    return sheen_model_get_numbers(m, sheen_json_get(root, "model"), err);
 }
 
-static sheen_status get_header(unpacking *u, size_t size_bytes, sheen_err *err)
+// The JSON text before the surface, and whether the rest has the size that it says.
+static sheen_status get_header(sheen_model *m, sheen_page_view *view, unpacking *u, size_t size_bytes,
+                               sheen_err *err)
 {
+    sheen_json *root = NULL;
     if (size_bytes < SHEEN_PAGE_HEADER_BYTES)
         return damaged(err);
-    for (int i = 0; i < SHEEN_PAGE_N_INTS; i++)
-        u->ints[i] = get_u32(u);
-    for (int i = 0; i < SHEEN_PAGE_N_REALS; i++)
-        if (!isfinite(u->reals[i] = get_f64(u)))
-            return damaged(err);
-    if (u->ints[0] != SHEEN_PAGE_MAGIC)
+    if (get_u32(u) != SHEEN_PAGE_MAGIC)
         return sheen_fail(err, SHEEN_EFORMAT, "this is no packed model, or one of another version");
-    u->n_vertices = u->ints[1];
-    u->n_triangles = u->ints[2];
-    u->n_lights = u->ints[5];
-    if (u->n_vertices > SHEEN_PAGE_MAX_VERTICES || !u->n_triangles ||
-        u->n_triangles > SHEEN_PAGE_MAX_TRIANGLES || u->n_lights > SHEEN_PAGE_MAX_LIGHTS ||
-        u->ints[3] < SHEEN_TEXTURE_MIN_EDGE || u->ints[3] > SHEEN_TEXTURE_MAX_EDGE || u->ints[6] > 1)
+    const size_t json_bytes = get_u32(u), rest_bytes = size_bytes - SHEEN_PAGE_HEADER_BYTES;
+    if (json_bytes > rest_bytes)
         return damaged(err);
-    u->texels_per_edge = (int)u->ints[3];
-    int columns, width_px, height_px;
-    sheen_texture_atlas_size(u->n_triangles, u->texels_per_edge, &columns, &width_px, &height_px);
-    if (u->ints[4] != (uint32_t)columns || !(u->reals[0] >= 0) || !(u->reals[1] > 0) || !(u->reals[17] > 0) ||
-        size_bytes != sheen_page_bytes(u->n_vertices, u->n_triangles, u->texels_per_edge, u->n_lights))
-        return damaged(err);
-    return SHEEN_OK;
+    sheen_status s = sheen_json_parse(&root, u->at, json_bytes, err);
+    if (!s)
+        s = get_numbers(m, view, u, root, err);
+    sheen_json_free(&root);
+    u->at += json_bytes;
+    if (!s && rest_bytes - json_bytes !=
+                  sheen_page_surface_bytes(u->n_vertices, u->n_triangles, u->texels_per_edge))
+        s = damaged(err);
+    return s;
 }
 
 static void normal_of(float n[3], const uint16_t code[2])
@@ -88,7 +122,7 @@ static void get_vertices(sheen_mesh *mesh, unpacking *u)
             code[k] = (uint16_t)(code[k] + ((folded >> 1) ^ (folded & 1 ? 0xffffu : 0u)));
         }
         for (size_t k = 0; k < 3; k++) {
-            const float low = (float)u->reals[18 + k], high = (float)u->reals[21 + k];
+            const float low = (float)u->min_obj[k], high = (float)u->max_obj[k];
             mesh->p_obj[3 * i + k] = low + (high - low) * ((float)code[k] / 65535.0f);
         }
         normal_of(mesh->n_obj + 3 * i, code + 3);
@@ -124,36 +158,13 @@ static sheen_status get_mesh(sheen_mesh *mesh, unpacking *u, sheen_err *err)
     return get_triangles(mesh, u, err);
 }
 
-static sheen_status get_lights(sheen_model *m, unpacking *u, sheen_err *err)
-{
-    const sheen_status s = sheen_model_set_lights(m, u->n_lights, err);
-    if (s)
-        return s;
-    for (size_t i = 0; i < u->n_lights; i++) {
-        float d[3], weight;
-        for (int k = 0; k < 3; k++, u->at += 2) {
-            const int code = u->at[0] | u->at[1] << 8;
-            d[k] = (float)(code > 32767 ? code - 65536 : code);
-        }
-        const uint32_t bits = get_u32(u);
-        memcpy(&weight, &bits, sizeof weight);
-        if (!(sheen_normalizef(d) > 0) || !isfinite(weight) || weight < 0)
-            return damaged(err);
-        m->lights.dx[i] = d[0];
-        m->lights.dy[i] = d[1];
-        m->lights.dz[i] = d[2];
-        m->lights.weight[i] = weight;
-    }
-    return SHEEN_OK;
-}
-
 static sheen_status get_texture(sheen_texture *t, unpacking *u, const sheen_page *page, sheen_err *err)
 {
     int columns, width_px, height_px;
     uint8_t *rgb;
     sheen_image atlas = {0};
     sheen_texture_atlas_size(u->n_triangles, u->texels_per_edge, &columns, &width_px, &height_px);
-    sheen_status s = sheen_webp_decode(&rgb, page->texture, page->texture_bytes, width_px, height_px, err);
+    sheen_status s = sheen_avif_decode(&rgb, page->texture, page->texture_bytes, width_px, height_px, err);
     if (s)
         return s;
     s = sheen_image_init(&atlas, width_px, height_px, 4, err);
@@ -171,18 +182,22 @@ static sheen_status get_texture(sheen_texture *t, unpacking *u, const sheen_page
     return s;
 }
 
-static void get_numbers(sheen_model *m, sheen_page_view *view, const unpacking *u)
+static sheen_status get_board(sheen_image *board, const unpacking *u, const sheen_page *page, sheen_err *err)
 {
-    const double *r = u->reals;
-    m->k_s = r[0];
-    m->sigma_rad = r[1];
-    memcpy(m->light_rgb, r + 2, sizeof m->light_rgb);
-    memcpy(m->rt_world_obj, r + 5, sizeof m->rt_world_obj);
-    m->moving = u->ints[6] ? SHEEN_MOVING_OBJECT : SHEEN_MOVING_CAMERA;
-    if (!view)
-        return;
-    memcpy(view->rt_board_obj, r + 11, sizeof view->rt_board_obj);
-    view->focal_per_width = r[17];
+    uint8_t *rgb;
+    if (!u->board_width_px)
+        return SHEEN_OK;
+    sheen_status s = sheen_avif_decode(&rgb, page->board, page->board_bytes, u->board_width_px,
+                                       u->board_height_px, err);
+    if (s)
+        return s;
+    s = sheen_image_init(board, u->board_width_px, u->board_height_px, 3, err);
+    const size_t n = s ? 0 : 3 * (size_t)u->board_width_px * (size_t)u->board_height_px;
+    for (size_t i = 0; i < n; i++)
+        board->data[i] = (float)u->board_white *
+                         sheen_transfer_decode(SHEEN_TRANSFER_SRGB, (float)rgb[i] / 255.0f);
+    free(rgb);
+    return s;
 }
 
 sheen_status sheen_page_unpack(sheen_model *out, sheen_page_view *view, const sheen_page *page,
@@ -196,15 +211,13 @@ sheen_status sheen_page_unpack(sheen_model *out, sheen_page_view *view, const sh
     if (s)
         return s;
     unpacking u = {.at = bytes};
-    s = get_header(&u, size_bytes, err);
+    s = get_header(out, view, &u, size_bytes, err);
     if (!s)
         s = get_mesh(&out->mesh, &u, err);
     if (!s)
-        s = get_lights(out, &u, err);
-    if (!s)
         s = get_texture(&out->texture, &u, page, err);
     if (!s)
-        get_numbers(out, view, &u);
+        s = get_board(&out->surroundings.board, &u, page, err);
     free(bytes);
     if (s)
         sheen_model_release(out);

@@ -17,6 +17,8 @@ export interface Model {
     kS: number;
     sigma: number; // rad
     lightRgb: number[];
+    shadows: boolean; // the mesh hides lights from its own surface
+    surroundings: Surroundings | null;
     worldFromObj: number[]; // Rodrigues vector, translation
     boardFromObj: number[];
     focalPerWidth: number;
@@ -24,9 +26,15 @@ export interface Model {
     radius: number;
 }
 
-const magic = 0x314e4853;
-const nInts = 8;
-const nReals = 24;
+// What is mirrored besides the lights (render/surroundings.h).
+export interface Surroundings {
+    f0: number;
+    ambientRgb: number[][];
+    tableRgb: number[];
+    board: { picture: ImageBitmap; x0: number; y0: number; pitch: number; white: number } | null;
+}
+
+const magic = 0x324e4853;
 
 export class ModelError extends Error {}
 
@@ -126,31 +134,108 @@ function readSeen(bytes: Uint8Array, nTriangles: number, texelsPerEdge: number):
     return seen;
 }
 
-function readLights(view: DataView, n: number): { lightDirection: Float32Array; lightWeight: Float32Array } {
+// The JSON text of a page (docs/viewer.md), as far as it is used here.
+interface Numbers {
+    n_vertices: number;
+    n_triangles: number;
+    texels_per_edge: number;
+    columns: number;
+    rt_board_obj: number[];
+    focal_per_width: number;
+    min_obj: number[];
+    max_obj: number[];
+    board_size_px?: number[];
+    board_white?: number;
+    model: {
+        moving: string;
+        rt_world_obj: number[];
+        n_hemisphere: number;
+        nodes: { radiance: number[]; direction_world: number[][] };
+        k_s: number;
+        sigma_rad: number;
+        light_rgb: number[];
+        shadows: boolean;
+        surroundings?: {
+            f0: number;
+            ambient_rgb: number[][];
+            table_rgb: number[];
+            board?: { x0_m: number; y0_m: number; pitch_m: number };
+        };
+    };
+}
+
+function vector(x: unknown, n: number): boolean {
+    return Array.isArray(x) && x.length === n && x.every(Number.isFinite);
+}
+
+function readNumbers(text: Uint8Array): Numbers {
+    let n: Numbers;
+    try {
+        n = JSON.parse(new TextDecoder().decode(text)) as Numbers;
+    } catch {
+        throw damaged();
+    }
+    const m = n?.model;
+    const around = m?.surroundings;
+    const good =
+        Number.isSafeInteger(n?.n_vertices) && n.n_vertices > 0 && Number.isSafeInteger(n.n_triangles) && n.n_triangles > 0 &&
+        Number.isSafeInteger(n.texels_per_edge) && n.texels_per_edge >= 2 && n.texels_per_edge <= 64 &&
+        vector(n.rt_board_obj, 6) && n.focal_per_width > 0 && vector(n.min_obj, 3) && vector(n.max_obj, 3) &&
+        vector(m?.rt_world_obj, 6) && m.k_s >= 0 && m.sigma_rad > 0 && vector(m.light_rgb, 3) && m.n_hemisphere > 0 &&
+        Array.isArray(m.nodes?.radiance) && m.nodes.direction_world?.length === m.nodes.radiance.length &&
+        (!around || (around.f0 >= 0 && vector(around.table_rgb, 3) && around.ambient_rgb?.length === 9 && around.ambient_rgb.every((x) => vector(x, 3)))) &&
+        (!around?.board || (around.board.pitch_m > 0 && vector(n.board_size_px, 2) && Number.isFinite(n.board_white)));
+    if (!good) throw damaged();
+    return n;
+}
+
+function readLights(model: Numbers["model"]): { lightDirection: Float32Array; lightWeight: Float32Array } {
+    const n = model.nodes.radiance.length;
     const lightDirection = new Float32Array(3 * n);
     const lightWeight = new Float32Array(n);
     for (let i = 0; i < n; i++) {
-        const d = [0, 2, 4].map((at) => view.getInt16(10 * i + at, true));
+        const d = model.nodes.direction_world[i];
+        if (!vector(d, 3) || !(Math.hypot(...d) > 0) || !(model.nodes.radiance[i] >= 0)) throw damaged();
+        lightWeight[i] = ((2 * Math.PI) / model.n_hemisphere) * model.nodes.radiance[i];
         const length = Math.hypot(...d);
-        lightWeight[i] = view.getFloat32(10 * i + 6, true);
-        if (!(length > 0) || !(lightWeight[i] >= 0) || !Number.isFinite(lightWeight[i])) throw damaged();
         lightDirection.set(d.map((x) => x / length), 3 * i);
     }
     return { lightDirection, lightWeight };
 }
 
-async function readTexture(width: number, height: number): Promise<ImageBitmap> {
+async function readPicture(id: string, width: number, height: number): Promise<ImageBitmap> {
     let bitmap: ImageBitmap;
     try {
-        bitmap = await createImageBitmap(new Blob([fromBase64("texture")], { type: "image/webp" }), {
+        bitmap = await createImageBitmap(new Blob([fromBase64(id)], { type: "image/avif" }), {
             premultiplyAlpha: "none",
             colorSpaceConversion: "none",
         });
     } catch {
-        throw damaged();
+        throw new ModelError("A picture in this page is damaged, or this browser does not read AVIF. Was the page saved or sent incompletely?");
     }
     if (bitmap.width !== width || bitmap.height !== height) throw damaged();
     return bitmap;
+}
+
+async function readSurroundings(numbers: Numbers): Promise<Surroundings | null> {
+    const around = numbers.model.surroundings;
+    if (!around) return null;
+    const { board } = around;
+    const [width, height] = numbers.board_size_px ?? [0, 0];
+    return {
+        f0: around.f0,
+        ambientRgb: around.ambient_rgb,
+        tableRgb: around.table_rgb,
+        board: board
+            ? {
+                  picture: await readPicture("board", width, height),
+                  x0: board.x0_m,
+                  y0: board.y0_m,
+                  pitch: board.pitch_m,
+                  white: numbers.board_white ?? 1,
+              }
+            : null,
+    };
 }
 
 // progress: 0 to 1.
@@ -158,26 +243,20 @@ export async function readModel(progress: (share: number) => Promise<void>): Pro
     const bytes = await inflate(fromBase64("geometry"));
     await progress(0.2);
     const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
-    let at = 4 * nInts + 8 * nReals;
+    let at = 8;
     if (bytes.length < at) throw damaged();
-    const ints = Array.from({ length: nInts }, (_, i) => view.getUint32(4 * i, true));
-    const reals = Array.from({ length: nReals }, (_, i) => view.getFloat64(4 * nInts + 8 * i, true));
-    const [found, nVertices, nTriangles, texelsPerEdge, columns, nLights, moving] = ints;
-    if (found !== magic) throw new ModelError("The model in this page is of a version that its viewer does not know.");
-    if (!reals.every(Number.isFinite) || !nTriangles || texelsPerEdge < 2 || texelsPerEdge > 64) throw damaged();
+    if (view.getUint32(0, true) !== magic) throw new ModelError("The model in this page is of a version that its viewer does not know, or damaged.");
+    const take = (n: number): Uint8Array => bytes.subarray(at, (at += n));
+    const numbers = readNumbers(take(view.getUint32(4, true)));
+    const { n_vertices: nVertices, n_triangles: nTriangles, texels_per_edge: texelsPerEdge, model } = numbers;
     const size = atlasSize(nTriangles, texelsPerEdge);
     const nTexels = nTriangles * ((texelsPerEdge * (texelsPerEdge + 1)) / 2);
-    if (columns !== size.columns || bytes.length !== at + 10 * nVertices + 9 * nTriangles + 10 * nLights + Math.ceil(nTexels / 8))
-        throw damaged();
-    const take = (n: number): Uint8Array => bytes.subarray(at, (at += n));
+    if (numbers.columns !== size.columns || bytes.length !== at + 10 * nVertices + 9 * nTriangles + Math.ceil(nTexels / 8)) throw damaged();
 
-    const low = reals.slice(18, 21);
-    const high = reals.slice(21, 24);
+    const [low, high] = [numbers.min_obj, numbers.max_obj];
     const vertices = readVertices(take(10 * nVertices), nVertices, low, high);
     await progress(0.4);
     const expanded = expand(take(9 * nTriangles), nTriangles, vertices);
-    const lights = readLights(new DataView(bytes.buffer, bytes.byteOffset + at, 10 * nLights), nLights);
-    take(10 * nLights);
     const seen = readSeen(take(Math.ceil(nTexels / 8)), nTriangles, texelsPerEdge);
     await progress(0.6);
     const centre = low.map((x, k) => 0.5 * (x + high[k]));
@@ -192,15 +271,17 @@ export async function readModel(progress: (share: number) => Promise<void>): Pro
         texelsPerEdge,
         ...size,
         seen,
-        texture: await readTexture(size.width, size.height),
-        ...lights,
-        objectMoves: moving === 1,
-        kS: reals[0],
-        sigma: reals[1],
-        lightRgb: reals.slice(2, 5),
-        worldFromObj: reals.slice(5, 11),
-        boardFromObj: reals.slice(11, 17),
-        focalPerWidth: reals[17],
+        texture: await readPicture("texture", size.width, size.height),
+        ...readLights(model),
+        objectMoves: model.moving === "object",
+        kS: model.k_s,
+        sigma: model.sigma_rad,
+        lightRgb: model.light_rgb,
+        shadows: model.shadows,
+        surroundings: await readSurroundings(numbers),
+        worldFromObj: model.rt_world_obj,
+        boardFromObj: numbers.rt_board_obj,
+        focalPerWidth: numbers.focal_per_width,
         centre,
         radius,
     };

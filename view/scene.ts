@@ -28,15 +28,17 @@ import {
     UnsignedByteType,
     Vector2,
     Vector3,
+    Vector4,
     WebGLRenderer,
     WebGLRenderTarget,
 } from "three";
+import { makeBvh } from "./bvh";
 import { type Cells, makeCells } from "./cells";
 import { type Model, ModelError } from "./model";
 import { addShader, coverShader, encodeShader, fragmentShader, vertexShader } from "./shader";
 import { poseOf, type View } from "./view";
 
-const lightsWidth = 1024;
+const tableWidth = 1024;
 const background = 0.03;
 const offsets = [
     [-0.25, -0.25],
@@ -62,11 +64,39 @@ function rangeTexture(cells: Cells): DataTexture {
     return plain(new DataTexture(cells.range, side, side, RGFormat, FloatType));
 }
 
-function entryTexture(cells: Cells): DataTexture {
-    const rows = Math.max(1, Math.ceil(cells.entry.length / 4 / lightsWidth));
-    const data = new Float32Array(4 * lightsWidth * rows);
-    data.set(cells.entry);
-    return plain(new DataTexture(data, lightsWidth, rows, RGBAFormat, FloatType));
+// A list of four numbers each, in rows of tableWidth.
+function tableTexture(list: Float32Array): DataTexture {
+    const rows = Math.max(1, Math.ceil(list.length / 4 / tableWidth));
+    const data = new Float32Array(4 * tableWidth * rows);
+    data.set(list);
+    return plain(new DataTexture(data, tableWidth, rows, RGBAFormat, FloatType));
+}
+
+const shadowless = 1e30;
+const negligible = 2e-4; // as render/shade.c
+
+// What the shader wants to know of shadows and surroundings.
+function surroundingsUniforms(model: Model): RawShaderMaterial["uniforms"] {
+    const around = model.surroundings;
+    const bvh = model.shadows || around ? makeBvh(model.position) : null;
+    const board = around?.board;
+    const picture = board ? plain(new Texture(board.picture)) : null;
+    if (picture) picture.colorSpace = SRGBColorSpace;
+    return {
+        nodes: { value: bvh && tableTexture(bvh.node) },
+        triangles: { value: bvh && tableTexture(bvh.triangle) },
+        nNodes: { value: bvh ? bvh.node.length / 8 : 0 },
+        offset: { value: 2e-3 * model.radius },
+        leastShadowed: { value: shadowless },
+        mirrors: { value: around !== null },
+        worldFromObj: { value: new Matrix3() },
+        worldOrigin: { value: new Vector3() },
+        ambient: { value: Array.from({ length: 9 }, (_, k) => new Vector3(...(around?.ambientRgb[k] ?? [0, 0, 0]))) },
+        board: { value: picture },
+        boardPlace: { value: board ? new Vector4(board.x0, board.y0, board.pitch, board.white) : new Vector4() },
+        tableRgb: { value: new Vector3(...(around?.tableRgb ?? [0, 0, 0])) },
+        f0: { value: around?.f0 ?? 0 },
+    };
 }
 
 function cover(fragment: string, uniforms: RawShaderMaterial["uniforms"]): { scene: Scene; material: RawShaderMaterial } {
@@ -137,13 +167,13 @@ export class Stage {
                 texelsPerEdge: { value: model.texelsPerEdge },
                 columns: { value: model.columns },
                 side: { value: 0 },
-                lightsWidth: { value: lightsWidth },
                 sigma: { value: model.sigma },
                 specularRgb: { value: new Vector3() },
                 cameraObj: { value: new Vector3() },
                 holeRgb: { value: new Vector3() },
                 lightFromObj: { value: new Matrix3() },
                 show: { value: new Vector2(1, 1) },
+                ...surroundingsUniforms(model),
             },
         });
         const geometry = new BufferGeometry();
@@ -189,7 +219,7 @@ export class Stage {
         (u.cellRange.value as Texture | null)?.dispose();
         (u.lights.value as Texture | null)?.dispose();
         u.cellRange.value = rangeTexture(cells);
-        u.lights.value = entryTexture(cells);
+        u.lights.value = tableTexture(cells.entry);
         u.side.value = cells.side;
         u.sigma.value = sigma;
         this.cellsSigma = sigma;
@@ -197,7 +227,7 @@ export class Stage {
 
     private setView(view: View, width: number, height: number, offset: number[]): void {
         const u = this.material.uniforms;
-        const { R, t, camera, lightFromObj } = poseOf(this.model, view);
+        const { R, t, camera, worldFromObj, worldOrigin, lightFromObj } = poseOf(this.model, view);
         const reach = this.model.radius + Math.hypot(...view.pan);
         const near = Math.max(view.distance - 1.01 * reach, 0.005 * this.model.radius);
         const far = view.distance + 1.01 * reach;
@@ -217,7 +247,11 @@ export class Stage {
         );
         (u.cameraObj.value as Vector3).fromArray(camera);
         (u.lightFromObj.value as Matrix3).set(...(lightFromObj.flat() as Parameters<Matrix3["set"]>));
-        (u.specularRgb.value as Vector3).fromArray(this.model.lightRgb).multiplyScalar(this.model.kS * view.strength);
+        (u.worldFromObj.value as Matrix3).set(...(worldFromObj.flat() as Parameters<Matrix3["set"]>));
+        (u.worldOrigin.value as Vector3).fromArray(worldOrigin);
+        const kS = this.model.kS * view.strength;
+        u.leastShadowed.value = this.model.shadows && kS > 0 ? negligible / kS : shadowless;
+        (u.specularRgb.value as Vector3).fromArray(this.model.lightRgb).multiplyScalar(kS);
         (u.holeRgb.value as Vector3).set(view.holes ? 1 : 0, 0, view.holes ? 1 : 0);
         (u.show.value as Vector2).set(view.layer === "specular" ? 0 : 1, view.layer === "diffuse" ? 0 : 1);
         this.setLights(view.sigma);

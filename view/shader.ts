@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shader.ts - the forward model as render/lobe.h, render/draw.c and render/texture.c define it, in GLSL ES 3.00.
+// shader.ts - the forward model as render/lobe.h, render/shade.c, render/draw.c and render/texture.c define it, in GLSL
+// ES 3.00.
 
 export const vertexShader = `
 precision highp float;
@@ -34,26 +35,38 @@ uniform sampler2D atlas; // sRGB, decoded when read
 uniform sampler2D seen;
 uniform sampler2D cellRange;
 uniform sampler2D lights; // direction and weight
-uniform int texelsPerEdge, columns, side, lightsWidth;
+uniform int texelsPerEdge, columns, side;
 uniform float sigma;
 uniform vec3 specularRgb; // k_S times the lights' colour
 uniform vec3 cameraObj;
 uniform vec3 holeRgb;
 uniform mat3 lightFromObj;
 uniform vec2 show; // diffuse, specular
+uniform sampler2D nodes, triangles; // bvh.ts
+uniform int nNodes;
+uniform float offset; // by which secondary rays start off the surface, metres
+uniform float leastShadowed; // terms below this, before k_S, are not worth a shadow ray; huge: no shadows
+uniform bool mirrors; // the surroundings
+uniform mat3 worldFromObj;
+uniform vec3 worldOrigin; // of the object
+uniform vec3 ambient[9];
+uniform sampler2D board; // sRGB, over boardWhite
+uniform vec4 boardPlace; // centre of pixel (0, 0), pixel size in metres (0: no board), white
+uniform vec3 tableRgb;
+uniform float f0;
 out vec4 colour;
 
 const float MIN_FACING = 0.01;
 const float LOBE_MIN_COS = 0.2;
 
-ivec2 texelAt(ivec2 ij) {
+ivec2 texelAt(int triangle, ivec2 ij) {
     int block = triangle / 2;
     ivec2 origin = ivec2(block % columns * texelsPerEdge, block / columns * (texelsPerEdge + 1));
     return origin + (triangle % 2 == 1 ? ivec2(texelsPerEdge - 1, texelsPerEdge) - ij : ij);
 }
 
 // Linear on the small triangles of the lattice; texels that no photograph saw have no part in it.
-vec3 diffuseAt() {
+vec3 diffuseAt(int triangle, vec2 place, vec3 holeRgb) {
     int last = texelsPerEdge - 1;
     vec2 ab = clamp(place, 0.0, 1.0) * float(last);
     ivec2 ij = clamp(ivec2(ab), ivec2(0), ivec2(last - 1));
@@ -76,9 +89,9 @@ vec3 diffuseAt() {
         t2 = ij + ivec2(1, 0);
         weight = vec3(f.x + f.y - 1.0, 1.0 - f);
     }
-    t0 = texelAt(t0);
-    t1 = texelAt(t1);
-    t2 = texelAt(t2);
+    t0 = texelAt(triangle, t0);
+    t1 = texelAt(triangle, t1);
+    t2 = texelAt(triangle, t2);
     weight *= vec3(texelFetch(seen, t0, 0).r, texelFetch(seen, t1, 0).r, texelFetch(seen, t2, 0).r);
     float sum = weight.x + weight.y + weight.z;
     if (!(sum > 0.0)) return holeRgb;
@@ -105,19 +118,77 @@ float alpha2(float x) {
     return p * x;
 }
 
-// Eq. (7) without k_S.
-float specularAt() {
-    vec3 vO = normalize(cameraObj - pObj);
-    vec3 nO = normalize(nObj);
-    float facing = dot(nO, vO);
-    if (facing < MIN_FACING) {
-        // The inside of an open mesh does not shine; at an outline the normal is bent towards the camera.
-        if (!gl_FrontFacing) return 0.0;
-        vec3 across = nO - facing * vO;
-        float len = length(across);
-        if (!(len > 0.0)) return 0.0;
-        nO = sqrt(1.0 - MIN_FACING * MIN_FACING) * (across / len) + MIN_FACING * vO;
+vec4 entry(sampler2D table, int i) {
+    return texelFetch(table, ivec2(i & 1023, i >> 10), 0);
+}
+
+// Number and place of the triangle that a ray meets first (or at all); -1: none.
+int meets(vec3 from, vec3 along, bool first, out vec2 at) {
+    vec3 per = 1.0 / along;
+    float nearest = 1e30;
+    int found = -1;
+    at = vec2(0.0);
+    for (int i = 0; i < nNodes;) {
+        vec4 low = entry(nodes, 2 * i), high = entry(nodes, 2 * i + 1);
+        vec3 a = (low.xyz - from) * per, b = (high.xyz - from) * per;
+        vec3 enter = min(a, b), leave = max(a, b);
+        float begin = max(max(enter.x, enter.y), enter.z), end = min(min(leave.x, leave.y), leave.z);
+        if (!(begin <= end * 1.00001) || end < 0.0 || begin > nearest) {
+            i = int(low.w);
+            continue;
+        }
+        i++;
+        if (high.w < 0.0) continue;
+        int leaf = int(high.w), last = leaf / 8 + leaf % 8;
+        for (int k = leaf / 8; k < last; k++) {
+            vec4 corner = entry(triangles, 3 * k);
+            vec3 e1 = entry(triangles, 3 * k + 1).xyz, e2 = entry(triangles, 3 * k + 2).xyz;
+            vec3 p = cross(along, e2), t = from - corner.xyz, q = cross(t, e1);
+            float per_det = 1.0 / dot(e1, p); // 0: the comparisons below fail
+            float u = dot(t, p) * per_det, v = dot(along, q) * per_det, s = dot(e2, q) * per_det;
+            if (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && s > 0.0 && s < nearest) {
+                nearest = s;
+                found = int(corner.w);
+                at = vec2(u, v);
+                if (!first) return found;
+            }
+        }
     }
+    return found;
+}
+
+// What arrives from above the horizon, by spherical harmonics to order 2.
+vec3 fromAbove(vec3 d) {
+    vec3 sum = 0.28209479 * ambient[0] + 0.48860251 * (d.y * ambient[1] + d.z * ambient[2] + d.x * ambient[3]) +
+        1.09254843 * (d.x * d.y * ambient[4] + d.y * d.z * ambient[5] + d.x * d.z * ambient[7]) +
+        0.31539157 * (3.0 * d.z * d.z - 1.0) * ambient[6] + 0.54627422 * (d.x * d.x - d.y * d.y) * ambient[8];
+    return max(sum, vec3(0.0));
+}
+
+vec3 boardAt(vec2 p) {
+    vec2 last = vec2(textureSize(board, 0) - 1), at = (p - boardPlace.xy) / boardPlace.z;
+    if (!(boardPlace.z > 0.0) || any(lessThan(at, vec2(0.0))) || any(greaterThan(at, last))) return tableRgb;
+    ivec2 i = min(ivec2(at), ivec2(last) - 1);
+    vec2 f = at - vec2(i);
+    vec3 low = mix(texelFetch(board, i, 0).rgb, texelFetch(board, i + ivec2(1, 0), 0).rgb, f.x);
+    vec3 high = mix(texelFetch(board, i + ivec2(0, 1), 0).rgb, texelFetch(board, i + ivec2(1, 1), 0).rgb, f.x);
+    return boardPlace.w * mix(low, high, f.y);
+}
+
+// Radiance in the mirror direction: the object's own texture where it stands in the way, else the surroundings.
+vec3 mirroredAt(vec3 nO, vec3 vO) {
+    vec2 at;
+    vec3 r = 2.0 * dot(nO, vO) * nO - vO;
+    int hit = meets(pObj + offset * nO, r, true, at);
+    if (hit >= 0) return diffuseAt(hit, at, vec3(0.0));
+    vec3 d = worldFromObj * r, p = worldFromObj * pObj + worldOrigin;
+    if (d.z >= 0.0) return fromAbove(d);
+    float t = -p.z / d.z;
+    return t > 0.0 ? boardAt(p.xy + t * d.xy) : tableRgb;
+}
+
+// Eq. (7) without k_S, of lights that the mesh does not hide.
+float lobeAt(vec3 nO, vec3 vO) {
     vec3 n = lightFromObj * nO;
     vec3 v = lightFromObj * vO;
     vec3 mirror = 2.0 * dot(n, v) * n - v;
@@ -127,18 +198,38 @@ float specularAt() {
     float perAlpha2 = 0.721347520 / (sigma * sigma);
     float sum = 0.0;
     for (int i = int(range.x), end = int(range.y); i < end; i++) {
-        vec4 l = texelFetch(lights, ivec2(i % lightsWidth, i / lightsWidth), 0);
+        vec4 l = entry(lights, i);
         if (dot(n, l.xyz) <= 0.0) continue;
         vec3 e = n - normalize(l.xyz + v);
-        sum += l.w * exp2(-alpha2(0.5 * dot(e, e)) * perAlpha2);
+        float term = l.w * exp2(-alpha2(0.5 * dot(e, e)) * perAlpha2);
+        vec2 ignored;
+        if (term > leastShadowed && meets(pObj + offset * nO, l.xyz * lightFromObj, false, ignored) >= 0) continue;
+        sum += term;
     }
     return sum / max(dot(n, v), LOBE_MIN_COS);
 }
 
+vec3 specularAt() {
+    vec3 vO = normalize(cameraObj - pObj);
+    vec3 nO = normalize(nObj);
+    float facing = dot(nO, vO);
+    if (facing < MIN_FACING) {
+        // The inside of an open mesh does not shine; at an outline the normal is bent towards the camera.
+        if (!gl_FrontFacing) return vec3(0.0);
+        vec3 across = nO - facing * vO;
+        float len = length(across);
+        if (!(len > 0.0)) return vec3(0.0);
+        nO = sqrt(1.0 - MIN_FACING * MIN_FACING) * (across / len) + MIN_FACING * vO;
+    }
+    vec3 sum = lobeAt(nO, vO) * specularRgb;
+    if (mirrors) sum += (f0 + (1.0 - f0) * pow(1.0 - clamp(dot(nO, vO), 0.0, 1.0), 5.0)) * mirroredAt(nO, vO);
+    return sum;
+}
+
 void main() {
     vec3 sum = vec3(0.0);
-    if (show.x > 0.0) sum += diffuseAt();
-    if (show.y > 0.0) sum += specularAt() * specularRgb;
+    if (show.x > 0.0) sum += diffuseAt(triangle, place, holeRgb);
+    if (show.y > 0.0) sum += specularAt();
     colour = vec4(min(sum, vec3(1000.0)), 1.0); // half floats end at 65504; white is 1
 }
 `;

@@ -69,7 +69,9 @@ export interface Pose {
     R: Matrix3; // camera from object; x right, y down, z forward
     t: number[];
     camera: number[]; // in the object's frame
-    lightFromObj: Matrix3; // into the frame in which the lights are listed
+    worldFromObj: Matrix3; // into the frame in which the surroundings stand
+    worldOrigin: number[]; // of the object, in it
+    lightFromObj: Matrix3; // the same, turned as the lights are
 }
 
 export function poseOf(model: Model, view: View): Pose {
@@ -90,7 +92,8 @@ export function poseOf(model: Model, view: View): Pose {
     // The lights turn about the vertical: the board's, or where they stand still before the camera the picture's.
     const axis = model.objectMoves ? [0, -1, 0] : [0, 0, 1];
     const back = rotation(axis.map((x) => -x * view.turn * rad));
-    return { R, t, camera, lightFromObj: multiply(back, worldFromObj) };
+    const worldOrigin = model.objectMoves ? t : model.worldFromObj.slice(3);
+    return { R, t, camera, worldFromObj, worldOrigin, lightFromObj: multiply(back, worldFromObj) };
 }
 
 function number(text: string | undefined, low: number, high: number, otherwise: number): number {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // fuzz_page.c - any bytes as a packed model: what is accepted can be drawn. The input is the length of the geometry
-// (2 bytes, little-endian), the geometry before it was deflated, and the texture.
+// (2 bytes, little-endian), the geometry before it was deflated, and a picture, taken for both texture and board.
 #include <math.h>
 #include <stdlib.h>
 
@@ -17,13 +17,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size_bytes)
     size_t geometry_bytes = data[0] | (size_t)data[1] << 8;
     geometry_bytes = geometry_bytes > size_bytes - 2 ? size_bytes - 2 : geometry_bytes;
     const uint8_t *texture = data + 2 + geometry_bytes;
-    page.texture_bytes = size_bytes - 2 - geometry_bytes;
+    page.texture_bytes = page.board_bytes = size_bytes - 2 - geometry_bytes;
     page.texture = malloc(page.texture_bytes + 1);
-    if (!page.texture)
-        return 0;
-    for (size_t i = 0; i < page.texture_bytes; i++)
-        page.texture[i] = texture[i];
-    if (!sheen_deflate(&page.geometry, &page.geometry_bytes, data + 2, geometry_bytes, &err) &&
+    page.board = malloc(page.board_bytes + 1);
+    for (size_t i = 0; page.texture && page.board && i < page.texture_bytes; i++)
+        page.texture[i] = page.board[i] = texture[i];
+    if (page.texture && page.board &&
+        !sheen_deflate(&page.geometry, &page.geometry_bytes, data + 2, geometry_bytes, &err) &&
         !sheen_page_unpack(&m, NULL, &page, &err)) {
         for (size_t i = 0; i < 3 * m.mesh.n_triangles; i++)
             if (m.mesh.triangles[i] >= m.mesh.n_vertices)

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Fits a drawn ball, exports it, and looks at the pages in Chromium: run.sh SHEEN MAKE_INPUT WORK
+# Fits a drawn ball by each method, exports it, and looks at the pages in Chromium: run.sh SHEEN MAKE_INPUT WORK
 # WORK is a build folder with what npm brought (its node_modules); pages and screenshots stay in WORK/pages. Exits
 # with 77, which CTest counts as skipped, where there is no Chromium.
 sheen=$1 make_input=$2 work=$3
@@ -22,7 +22,9 @@ trap 'rm -rf "$scratch"' EXIT
         "$make_input" poses transforms.json 320 240 p0 p1 p2 p3 p4 p5 p6 &&
         "$make_input" mesh ball.obj &&
         "$sheen" import ball.session photos/p?.png --poses transforms.json --mesh ball.obj &&
-        "$sheen" fit ball.session
+        cp -r ball.session refined.session &&
+        "$sheen" fit ball.session --method paper &&
+        "$sheen" fit refined.session --method refined
 ) || exit 1
 cp "$here"/*.mjs "$work" || exit 1
-exec node "$work/test_viewer.mjs" "$chromium" "$sheen" "$scratch/ball.session" "$work/pages"
+exec node "$work/test_viewer.mjs" "$chromium" "$sheen" "$work/pages" "$scratch/ball.session" "$scratch/refined.session"
