@@ -9,7 +9,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/random.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 #include <xxhash.h>
 
@@ -153,29 +155,39 @@ static void sync_dir_of(const char *path)
     }
 }
 
-// ".<name>.XXXXXX" beside `path`, for mkstemp and mkdtemp. The leading dot keeps what a power cut leaves
-// behind out of every listing.
-static sheen_status temp_name(char out[SHEEN_PATH_MAX], const char *path, sheen_err *err)
+static const char temp_letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789";
+enum { TEMP_LETTERS = 6, TEMP_TRIES = 100 };
+
+// Opens ".<name>.XXXXXX" beside `path`, X any of temp_letters. The leading dot keeps what a power cut leaves behind out of
+// every listing. Not mkstemp, which makes files private: ours are as open as the person's umask says.
+static sheen_status open_temp(int *fd_out, char out[SHEEN_PATH_MAX], const char *path, sheen_err *err)
 {
     const char *base = sheen_path_base(path);
     const int n = snprintf(out, SHEEN_PATH_MAX, "%.*s.%s.XXXXXX", (int)(base - path), path, base);
     if (n < 0 || n >= SHEEN_PATH_MAX)
         return sheen_fail(err, SHEEN_EARG, "path is too long: '%.80s...'", path);
-    return SHEEN_OK;
+    *fd_out = -1;
+    for (int i = 0; i < TEMP_TRIES && *fd_out < 0; i++) {
+        uint8_t bytes[TEMP_LETTERS];
+        if (getrandom(bytes, sizeof bytes, 0) != (ssize_t)sizeof bytes)
+            continue;
+        for (int k = 0; k < TEMP_LETTERS; k++)
+            out[n - TEMP_LETTERS + k] = temp_letters[bytes[k] % (sizeof temp_letters - 1)];
+        *fd_out = open(out, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (*fd_out < 0 && errno != EEXIST && errno != EINTR)
+            break;
+    }
+    return *fd_out < 0 ? fail_errno(err, "write", path) : SHEEN_OK;
 }
 
 sheen_status sheen_file_write(const char *path, const void *data, size_t size_bytes, sheen_err *err)
 {
     char temp[SHEEN_PATH_MAX];
-    sheen_status s = temp_name(temp, path, err);
+    int fd = -1;
+    sheen_status s = open_temp(&fd, temp, path, err);
     if (s)
         return s;
-    const int fd = mkstemp(temp);
-    if (fd < 0)
-        return fail_errno(err, "write", path);
-    const mode_t mask = umask(0); // mkstemp makes files private; ours are as open as the person's umask says
-    umask(mask);
-    bool ok = !fchmod(fd, 0666 & ~mask) && write_all(fd, data, size_bytes) && !fsync(fd);
+    bool ok = write_all(fd, data, size_bytes) && !fsync(fd);
     if (!ok)
         s = fail_errno(err, "write", path);
     if (close(fd) && ok) {
@@ -192,6 +204,29 @@ sheen_status sheen_file_write(const char *path, const void *data, size_t size_by
     }
     sync_dir_of(path);
     return SHEEN_OK;
+}
+
+// ".<name>.XXXXXX", as open_temp makes them.
+static bool is_temp_name(const char *name)
+{
+    const char *dot = strrchr(name, '.');
+    return name[0] == '.' && dot > name + 1 && strlen(dot + 1) == TEMP_LETTERS &&
+           strspn(dot + 1, temp_letters) == TEMP_LETTERS;
+}
+
+void sheen_dir_sweep(const char *path, int older_than_s)
+{
+    DIR *d = opendir(path);
+    if (!d)
+        return;
+    const time_t now = time(NULL);
+    for (const struct dirent *e; (e = readdir(d));) {
+        struct stat st;
+        if (is_temp_name(e->d_name) && !fstatat(dirfd(d), e->d_name, &st, AT_SYMLINK_NOFOLLOW) &&
+            S_ISREG(st.st_mode) && now - st.st_mtime >= older_than_s)
+            unlinkat(dirfd(d), e->d_name, 0);
+    }
+    closedir(d);
 }
 
 sheen_status sheen_file_copy(const char *to_path, const char *from_path, sheen_err *err)

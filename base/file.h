@@ -43,6 +43,11 @@ sheen_status sheen_dir_remove(const char *path, sheen_err *err);
 // Renames a finished folder to its place, replacing one that is there (which is removed last).
 sheen_status sheen_dir_replace(const char *path, const char *finished_path, sheen_err *err);
 
+// Removes the temporary files that an interrupted sheen_file_write left in a folder (not below it), where they were
+// last written at least so many seconds ago: a younger one may be another program's at work. What cannot be removed
+// stays.
+void sheen_dir_sweep(const char *path, int older_than_s);
+
 typedef struct sheen_names {
     char **names;
     size_t count;

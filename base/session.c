@@ -125,13 +125,29 @@ static sheen_status check_empty(const char *path, sheen_err *err)
                             "'%s' holds other things and is not a session: name a new or empty folder", path);
 }
 
+// What a power cut left; another program may be writing, so that what is young stays.
+static void sweep(const sheen_session *s)
+{
+    static const char *const folders[] = {".", SHEEN_SESSION_FRAMES, SHEEN_SESSION_MASKS};
+    enum { STALE_S = 600 };
+    for (size_t i = 0; i < sizeof folders / sizeof *folders; i++) {
+        char path[SHEEN_PATH_MAX];
+        if (!sheen_session_path(path, s, folders[i], NULL))
+            sheen_dir_sweep(path, STALE_S);
+    }
+}
+
 sheen_status sheen_session_create(sheen_session *s, const char *path, sheen_moving moving, sheen_err *err)
 {
     sheen_status st = set_path(s, path, err);
     if (st)
         return st;
-    if (sheen_session_has(s, SHEEN_SESSION_MANIFEST))
-        return sheen_session_open(s, path, err);
+    if (sheen_session_has(s, SHEEN_SESSION_MANIFEST)) {
+        st = sheen_session_open(s, path, err);
+        if (!st)
+            sweep(s);
+        return st;
+    }
     char frames[SHEEN_PATH_MAX];
     st = check_empty(s->path, err);
     if (st)

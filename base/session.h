@@ -109,8 +109,8 @@ typedef struct sheen_session {
 // Opens an existing session. Frames whose payload or sidecar is missing (a cut during writing)
 // are not listed. EIO, EFORMAT; the sentence says what to do.
 sheen_status sheen_session_open(sheen_session *s, const char *path, sheen_err *err);
-// Opens it, or makes an empty one where the path does not exist or is an empty folder. EARG for a folder that
-// holds other things.
+// Opens it to add to it, or makes an empty one where the path does not exist or is an empty folder. Temporary files
+// that a power cut left in it are swept out. EARG for a folder that holds other things.
 sheen_status sheen_session_create(sheen_session *s, const char *path, sheen_moving moving, sheen_err *err);
 void sheen_session_release(sheen_session *s);
 // Writes the manifest (after `moving` has changed).
@@ -128,6 +128,11 @@ const char *sheen_session_mesh_file(const sheen_session *s);
 // EARG: bad or taken name.
 sheen_status sheen_session_add_frame(sheen_session *s, sheen_frame_info *info, const char *extension,
                                      const void *payload, size_t size_bytes, sheen_err *err);
+// The two halves of sheen_session_add_frame, for a writer in a thread of its own. The first looks at nothing of *s but
+// its path and writes files only (the caller has seen to it that the name is free); the second makes the list grow.
+sheen_status sheen_session_write_frame(const sheen_session *s, sheen_frame_info *info, const char *extension,
+                                       const void *payload, size_t size_bytes, sheen_err *err);
+sheen_status sheen_session_enter_frame(sheen_session *s, const sheen_frame_info *info, sheen_err *err);
 // Writes a mask of a frame: <folder>/<name>.png, bytes as given. folder: SHEEN_SESSION_MASKS or _HIGHLIGHTS.
 sheen_status sheen_session_add_mask(const sheen_session *s, const char *folder, const char *name,
                                     const void *png, size_t size_bytes, sheen_err *err);

@@ -111,50 +111,61 @@ const sheen_frame_info *sheen_session_find(const sheen_session *s, const char *n
     return i < s->n_frames && !strcmp(s->frames[i].name, name) ? &s->frames[i] : NULL;
 }
 
-static sheen_status check_new(const sheen_session *s, const sheen_frame_info *info, const char *extension,
-                              sheen_err *err)
+// Room for one more in the list.
+static sheen_status reserve(sheen_session *s, sheen_err *err)
 {
+    sheen_frame_info *frames = realloc(s->frames, (s->n_frames + 1) * sizeof *frames);
+    if (!frames)
+        return sheen_fail_memory(err, (double)(s->n_frames + 1) * sizeof *frames, "the list of frames");
+    s->frames = frames;
+    return SHEEN_OK;
+}
+
+sheen_status sheen_session_write_frame(const sheen_session *s, sheen_frame_info *info, const char *extension,
+                                       const void *payload, size_t size_bytes, sheen_err *err)
+{
+    char payload_path[SHEEN_PATH_MAX], sidecar_path[SHEEN_PATH_MAX];
     if (!sheen_frame_name_ok(info->name))
         return sheen_fail(err, SHEEN_EARG, "'%s' is no name for a frame: use letters, digits, '.', '_', '-'",
                           info->name);
     if (!sheen_frame_extension_ok(extension))
         return sheen_fail(err, SHEEN_EARG, "'%.20s' is no ending for a frame's file", extension);
-    if (sheen_session_find(s, info->name))
-        return sheen_fail(err, SHEEN_EARG, "the session has a frame '%s' already", info->name);
+    snprintf(info->file, sizeof info->file, "%s.%s", info->name, extension);
+    sheen_digest(info->payload_digest, payload, size_bytes);
+    sheen_status st = path_in(payload_path, s, SHEEN_SESSION_FRAMES, info->file, "", err);
+    if (!st)
+        st = path_in(sidecar_path, s, SHEEN_SESSION_FRAMES, info->name, ".json", err);
+    if (!st)
+        st = sheen_file_write(payload_path, payload, size_bytes, err);
+    if (st)
+        return st;
+    st = sheen_frame_info_save(info, sidecar_path, err);
+    if (st)
+        sheen_file_remove(payload_path, NULL);
+    return st;
+}
+
+sheen_status sheen_session_enter_frame(sheen_session *s, const sheen_frame_info *info, sheen_err *err)
+{
+    const sheen_status st = reserve(s, err);
+    if (st)
+        return st;
+    const size_t i = insert_at(s, info->name);
+    memmove(s->frames + i + 1, s->frames + i, (s->n_frames - i) * sizeof *s->frames);
+    s->frames[i] = *info;
+    s->n_frames++;
     return SHEEN_OK;
 }
 
 sheen_status sheen_session_add_frame(sheen_session *s, sheen_frame_info *info, const char *extension,
                                      const void *payload, size_t size_bytes, sheen_err *err)
 {
-    char payload_path[SHEEN_PATH_MAX], sidecar_path[SHEEN_PATH_MAX];
-    sheen_status st = check_new(s, info, extension, err);
-    if (st)
-        return st;
-    // Room first: nothing can fail any more once the sidecar stands.
-    sheen_frame_info *frames = realloc(s->frames, (s->n_frames + 1) * sizeof *frames);
-    if (!frames)
-        return sheen_fail_memory(err, (double)(s->n_frames + 1) * sizeof *frames, "the list of frames");
-    s->frames = frames;
-    snprintf(info->file, sizeof info->file, "%s.%s", info->name, extension);
-    sheen_digest(info->payload_digest, payload, size_bytes);
-    st = path_in(payload_path, s, SHEEN_SESSION_FRAMES, info->file, "", err);
+    if (sheen_session_find(s, info->name))
+        return sheen_fail(err, SHEEN_EARG, "the session has a frame '%s' already", info->name);
+    sheen_status st = reserve(s, err); // first: nothing can fail any more once the sidecar stands
     if (!st)
-        st = path_in(sidecar_path, s, SHEEN_SESSION_FRAMES, info->name, ".json", err);
-    if (!st)
-        st = sheen_file_write(payload_path, payload, size_bytes, err);
-    if (!st) {
-        st = sheen_frame_info_save(info, sidecar_path, err);
-        if (st)
-            sheen_file_remove(payload_path, NULL);
-    }
-    if (st)
-        return st;
-    const size_t i = insert_at(s, info->name);
-    memmove(frames + i + 1, frames + i, (s->n_frames - i) * sizeof *frames);
-    frames[i] = *info;
-    s->n_frames++;
-    return SHEEN_OK;
+        st = sheen_session_write_frame(s, info, extension, payload, size_bytes, err);
+    return st ? st : sheen_session_enter_frame(s, info, err);
 }
 
 sheen_status sheen_session_add_mask(const sheen_session *s, const char *folder, const char *name,

@@ -27,6 +27,12 @@ typedef struct sheen_device {
 sheen_status sheen_devices_list(sheen_device **devices_out, size_t *n_out, sheen_err *err);
 void sheen_devices_release(sheen_device *devices, size_t n_devices);
 
+// For the seam of v4l2_io.h, which see: a node's lasting name and identity by libudev, its arrival, and a reset by libusb.
+void sheen_device_lasting_name(char *name, size_t size_bytes, const char *path);
+void sheen_device_identity(char *text, size_t size_bytes, const char *path);
+int sheen_device_await(const char *path, int wake_fd, int timeout_ms);
+int sheen_device_reset(const char *identity);
+
 // Opens d->path through the seam and fills in name, modes and controls. False: it is no camera's node for pictures.
 bool sheen_device_ask(sheen_device *d, const sheen_v4l2_io *io);
 // Fills in usb_port and usb_speed of devices that have a bus and an address.

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// devices_udev.c - finds video nodes and their lasting names through libudev; the only file that includes it.
+// devices_udev.c - finds video nodes, their lasting names and their return through libudev; the only file that includes it.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <libudev.h>
 
@@ -109,4 +113,68 @@ sheen_status sheen_devices_list(sheen_device **devices_out, size_t *n_out, sheen
     *devices_out = devices;
     *n_out = n;
     return SHEEN_OK;
+}
+
+// The device behind a node or a link to it; NULL where there is none.
+static struct udev_device *device_of(struct udev *udev, const char *path)
+{
+    struct stat st;
+    return udev && !stat(path, &st) && S_ISCHR(st.st_mode)
+               ? udev_device_new_from_devnum(udev, 'c', st.st_rdev)
+               : NULL;
+}
+
+void sheen_device_lasting_name(char *name, size_t size_bytes, const char *path)
+{
+    name[0] = 0;
+    if (!strncmp(path, "/dev/v4l/", 9)) {
+        copy_text(name, size_bytes, path); // it is one
+        return;
+    }
+    struct udev *udev = udev_new();
+    struct udev_device *dev = device_of(udev, path);
+    if (dev) {
+        sheen_device d = {0};
+        read_links(&d, dev);
+        copy_text(name, size_bytes, d.by_id[0] ? d.by_id : d.by_path);
+        udev_device_unref(dev);
+    }
+    udev_unref(udev);
+}
+
+void sheen_device_identity(char *text, size_t size_bytes, const char *path)
+{
+    text[0] = 0;
+    struct udev *udev = udev_new();
+    struct udev_device *dev = device_of(udev, path);
+    struct udev_device *usb = dev ? udev_device_get_parent_with_subsystem_devtype(dev, "usb", "usb_device")
+                                  : NULL;
+    if (usb) {
+        const char *vendor = udev_device_get_sysattr_value(usb, "idVendor");
+        const char *product = udev_device_get_sysattr_value(usb, "idProduct");
+        const char *serial = udev_device_get_sysattr_value(usb, "serial");
+        snprintf(text, size_bytes, "%.4s:%.4s%s%.60s", vendor ? vendor : "", product ? product : "",
+                 serial ? " " : "", serial ? serial : "");
+    }
+    if (dev)
+        udev_device_unref(dev);
+    udev_unref(udev);
+}
+
+// udevd has made the links when it tells of a device; without udevd looking again does.
+int sheen_device_await(const char *path, int wake_fd, int timeout_ms)
+{
+    if (!access(path, F_OK))
+        return 1;
+    struct udev *udev = udev_new();
+    struct udev_monitor *m = udev ? udev_monitor_new_from_netlink(udev, "udev") : NULL;
+    struct pollfd fds[2] = {{.fd = -1, .events = POLLIN}, {.fd = wake_fd, .events = POLLIN}};
+    if (m && udev_monitor_filter_add_match_subsystem_devtype(m, "video4linux", NULL) >= 0 &&
+        udev_monitor_enable_receiving(m) >= 0)
+        fds[0].fd = udev_monitor_get_fd(m);
+    if (access(path, F_OK)) // it may have come before the monitor was there
+        poll(fds, 2, timeout_ms);
+    udev_monitor_unref(m);
+    udev_unref(udev);
+    return !access(path, F_OK);
 }

@@ -3,16 +3,25 @@
 #include "capture/record.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "capture/ladder.h"
+#include "capture/record_queue.h"
+
 // MAX_WAITING: frames that a camera may have had waiting.
-enum { DEFAULT_TIMEOUT_MS = 10000, SLICE_MS = 200, MAX_WAITING = 12 };
+enum { SLICE_MS = 200, MAX_WAITING = 12 };
 
 typedef struct recording {
     sheen_session *session;
     sheen_source *src;
     const sheen_record_options *options;
+    sheen_record_report *report;
+    sheen_record_queue *queue;
+    sheen_ladder ladder;
     int done, total;
+    unsigned long last_number; // last name given to a frame that is still in the queue
+    bool slow_said;
 } recording;
 
 // The session's copy of a frame, if it has one.
@@ -29,43 +38,103 @@ static const sheen_frame_info *find_copy(const sheen_session *s, const sheen_fra
     return NULL;
 }
 
-// The mask goes first: once the frame counts, its mask is there.
-static sheen_status add(sheen_session *s, sheen_frame *frame, sheen_err *err)
+static sheen_status tell(const recording *r, const sheen_frame_info *info, sheen_err *err)
 {
-    sheen_frame_info *info = &frame->info;
-    if (!info->name[0] || sheen_session_find(s, info->name))
-        sheen_session_next_name(s, info->name);
-    if (frame->mask) {
-        const sheen_status st = sheen_session_add_mask(s, SHEEN_SESSION_MASKS, info->name, frame->mask,
-                                                       frame->mask_bytes, err);
-        if (st)
-            return st;
-    }
-    return sheen_session_add_frame(s, info, frame->extension, frame->data, frame->size_bytes, err);
+    const sheen_record_policy *p = &r->options->policy;
+    return p->stored ? p->stored(p->self, info, err) : SHEEN_OK;
 }
 
-// The next frame. It waits a little at a time, so that the caller can stop; what counts as no answer is a time in which
-// a camera delivered nothing at all, not even frames that are of no use.
-static sheen_status next_frame(sheen_frame *frame, recording *r, sheen_err *err)
+// Takes in what became of frames in the queue; with `wait`, of one at least.
+static sheen_status collect(recording *r, bool wait, sheen_err *err)
 {
-    const sheen_record_options *o = r->options;
-    const int timeout_ms = o->timeout_ms ? o->timeout_ms : DEFAULT_TIMEOUT_MS;
-    int64_t n_before = -1;
-    int waited_ms = 0;
-    for (;;) {
-        sheen_source_counts counts;
-        sheen_status st = sheen_source_next(r->src, SLICE_MS, frame, err);
-        if (st != SHEEN_ETIMEOUT)
-            return st;
-        sheen_source_counters(&counts, r->src);
-        waited_ms = counts.n_frames == n_before ? waited_ms + SLICE_MS : SLICE_MS;
-        n_before = counts.n_frames;
-        if (waited_ms >= timeout_ms)
-            return st;
-        st = sheen_progress_step(&o->progress, "recording", r->done, r->total, err);
+    sheen_frame_info info;
+    for (int timeout_ms = wait ? SLICE_MS : 0;; timeout_ms = 0) {
+        sheen_status st = sheen_record_queue_collect(r->queue, &info, timeout_ms, err);
+        if (st == SHEEN_ETIMEOUT)
+            return SHEEN_OK;
+        if (st)
+            r->report->n_lost++;
+        else {
+            r->report->n_recorded++;
+            st = sheen_session_enter_frame(r->session, &info, err);
+        }
+        if (!st)
+            st = tell(r, &info, err);
         if (st)
             return st;
     }
+}
+
+static sheen_status drain(recording *r, sheen_err *err)
+{
+    sheen_status st = SHEEN_OK;
+    while (!st && sheen_record_queue_count(r->queue))
+        st = collect(r, true, err);
+    return st;
+}
+
+static sheen_status go_on(recording *r, sheen_err *err)
+{
+    const sheen_status st = collect(r, false, err);
+    r->done = (int)(r->report->n_recorded + r->report->n_present);
+    r->ladder.done = r->done;
+    return st ? st : sheen_progress_step(&r->options->progress, "recording", r->done, r->total, err);
+}
+
+// The next number, counting those that are on their way to the disk.
+static void give_name(recording *r, char name[64])
+{
+    sheen_session_next_name(r->session, name);
+    unsigned long number = strtoul(name, NULL, 10);
+    if (sheen_record_queue_count(r->queue) && number <= r->last_number)
+        number = r->last_number + 1;
+    snprintf(name, 64, "%06lu", number);
+    r->last_number = number;
+}
+
+static void say_slow(recording *r, const char *what)
+{
+    char text[200];
+    snprintf(text, sizeof text, "the disk is slower than the camera: %s", what);
+    if (!r->slow_said && r->options->notice)
+        r->options->notice(r->options->notice_self, text);
+    r->slow_said = true;
+}
+
+// Room for one more in the queue. *room false: not for a frame that is only offered.
+static sheen_status make_room(bool *room, recording *r, const sheen_frame *frame, sheen_verdict verdict,
+                              sheen_err *err)
+{
+    const size_t n = frame->size_bytes + frame->mask_bytes;
+    *room = sheen_record_queue_wait_room(r->queue, n, 0);
+    if (!*room && verdict == SHEEN_VERDICT_OFFER) {
+        say_slow(r, "frames are passed over");
+        r->report->n_skipped++;
+        return SHEEN_OK;
+    }
+    while (!*room) {
+        say_slow(r, "it is waited for, none of the frames that were taken is lost");
+        *room = sheen_record_queue_wait_room(r->queue, n, SLICE_MS);
+        const sheen_status st = go_on(r, err);
+        if (st && st != SHEEN_ECANCEL) // what was taken before the person ended it is still written
+            return st;
+    }
+    return SHEEN_OK;
+}
+
+// A recording never runs ahead of the disk: each of its frames may be one that the session has by then.
+static sheen_status add(recording *r, sheen_frame *frame, sheen_verdict verdict, sheen_err *err)
+{
+    bool room;
+    sheen_status st = make_room(&room, r, frame, verdict, err);
+    if (st || !room)
+        return st;
+    if (!frame->info.name[0] || sheen_session_find(r->session, frame->info.name))
+        give_name(r, frame->info.name);
+    st = sheen_record_queue_push(r->queue, frame, err);
+    if (!st && !sheen_source_is_live(r->src))
+        st = drain(r, err);
+    return st;
 }
 
 // Since when a frame is wanted: asks between frames until the policy says so.
@@ -101,7 +170,7 @@ static sheen_status wanted_frame(sheen_frame *frame, sheen_verdict *verdict, rec
     for (;;) {
         sheen_status st = ask(&since_ns, r, err);
         if (!st)
-            st = next_frame(frame, r, err);
+            st = sheen_ladder_next(&r->ladder, frame, err);
         if (st)
             return st;
         if (is_after(frame, since_ns, &n_passed)) {
@@ -109,19 +178,13 @@ static sheen_status wanted_frame(sheen_frame *frame, sheen_verdict *verdict, rec
             if (st || *verdict != SHEEN_VERDICT_PASS)
                 return st;
         }
-        st = sheen_progress_step(&r->options->progress, "recording", r->done, r->total, err);
+        st = go_on(r, err);
         if (st)
             return st;
     }
 }
 
-static sheen_status tell(const recording *r, const sheen_frame_info *info, sheen_err *err)
-{
-    const sheen_record_policy *p = &r->options->policy;
-    return p->stored ? p->stored(p->self, info, err) : SHEEN_OK;
-}
-
-static sheen_status record_one(recording *r, sheen_record_report *report, sheen_err *err)
+static sheen_status record_one(recording *r, sheen_err *err)
 {
     const sheen_record_options *o = r->options;
     sheen_frame frame;
@@ -137,15 +200,10 @@ static sheen_status record_one(recording *r, sheen_record_report *report, sheen_
     sheen_digest(digest, frame.data, frame.size_bytes);
     const sheen_frame_info *copy = sheen_source_is_live(r->src) ? NULL
                                                                 : find_copy(r->session, &frame, digest);
-    if (copy) {
-        report->n_present++;
-        return tell(r, copy, err);
-    }
-    st = add(r->session, &frame, err);
-    if (st)
-        return st;
-    report->n_recorded++;
-    return tell(r, &frame.info, err);
+    if (!copy)
+        return add(r, &frame, verdict, err);
+    r->report->n_present++;
+    return tell(r, copy, err);
 }
 
 // Frames that are asked for, 0 where nobody can tell.
@@ -157,23 +215,49 @@ static int total_frames(const sheen_source *src, size_t count)
     return (int)count;
 }
 
+static bool is_enough(const recording *r)
+{
+    const sheen_record_report *n = r->report;
+    return r->options->count &&
+           n->n_recorded + n->n_present + sheen_record_queue_count(r->queue) >= r->options->count;
+}
+
+// Whatever has ended the recording: what was taken goes to the disk. The first failure's sentence is kept.
+static sheen_status finish(recording *r, sheen_err *err)
+{
+    sheen_status st = drain(r, err);
+    while (sheen_record_queue_count(r->queue))
+        drain(r, NULL);
+    sheen_record_queue_close(&r->queue);
+    r->report->n_recovered = r->ladder.n_recovered;
+    r->done = (int)(r->report->n_recorded + r->report->n_present);
+    if (!st)
+        st = sheen_progress_step(&r->options->progress, "recording", r->done, r->total, err);
+    return st;
+}
+
 sheen_status sheen_record(sheen_session *session, sheen_source *src, const sheen_record_options *options,
                           sheen_record_report *report, sheen_err *err)
 {
     *report = (sheen_record_report){0};
-    recording r = {session, src, options, 0, total_frames(src, options->count)};
-    sheen_status st = SHEEN_OK;
-    sheen_err e = {0}; // the end of the recording is no error of ours
-    while (!st && (!options->count || (size_t)r.done < options->count)) {
-        st = sheen_progress_step(&options->progress, "recording", r.done, r.total, &e);
+    recording r = {.session = session, .src = src, .options = options, .report = report};
+    r.total = total_frames(src, options->count);
+    r.ladder = (sheen_ladder){.src = src, .options = options, .total = r.total};
+    sheen_err e = {0}, late = {0}; // the end of the recording is no error of ours
+    sheen_status st = sheen_record_queue_open(&r.queue, session, options, err);
+    if (st)
+        return st;
+    while (!st && !is_enough(&r)) {
+        st = go_on(&r, &e);
         if (!st)
-            st = record_one(&r, report, &e);
-        r.done = (int)(report->n_recorded + report->n_present);
+            st = record_one(&r, &e);
     }
-    if (st == SHEEN_EEND)
+    const sheen_status written = finish(&r, &late);
+    if (written && (!st || st == SHEEN_EEND || st == SHEEN_ECANCEL)) {
+        st = written; // worse than what ended the recording
+        e = late;
+    } else if (st == SHEEN_EEND)
         st = r.done ? SHEEN_OK : sheen_wrap(&e, SHEEN_EDATA, "no frame was recorded");
-    if (!st)
-        st = sheen_progress_step(&options->progress, "recording", r.done, r.total, &e);
     if (st && err)
         *err = e;
     return st;

@@ -38,28 +38,46 @@ typedef struct sheen_record_policy {
     sheen_status (*stored)(void *self, const sheen_frame_info *info, sheen_err *err);
 } sheen_record_policy;
 
+// Puts a frame on the disk, as sheen_session_write_frame does. Called by the writer's thread.
+typedef sheen_status sheen_record_write(void *self, const sheen_session *s, sheen_frame_info *info,
+                                        const char *extension, const void *payload, size_t size_bytes,
+                                        sheen_err *err);
+
 typedef struct sheen_record_options {
     size_t count;   // stop after so many frames; 0: when the source ends
-    int timeout_ms; // longest wait for a sign of life of the source; 0: 10 s
-    bool set_role;  // give every frame `role` instead of the source's own
+    int timeout_ms; // longest wait for a sign of life of the source; then something is done (ladder.h); 0: 10 s
+    double patience_s; // how long to wait for the person where nothing else helps; 0: not at all
+    bool set_role;     // give every frame `role` instead of the source's own
     sheen_role role;
     sheen_record_policy policy; // of a recording every frame is recorded; only `look` and `stored` are called
     // Looks at a frame that is about to be recorded, whatever the policy. What it returns (with its sentence) other
     // than OK ends the recording without that frame. NULL: none.
     sheen_status (*check)(void *self, const sheen_frame *frame, sheen_err *err);
     void *check_self;
+    // Told in between: what was tried with a camera that stalls, what the person is asked to do, a disk that is too
+    // slow. NULL: nobody is.
+    void (*notice)(void *self, const char *text);
+    void *notice_self;
+    size_t queue_bytes;        // payloads that may wait for the disk; 0: 64 MB
+    sheen_record_write *write; // NULL: sheen_session_write_frame
+    void *write_self;
     sheen_progress progress; // step "recording": done of total frames, total 0 where it is not known
 } sheen_record_options;
 
 typedef struct sheen_record_report {
     size_t n_recorded; // frames that are new in the session
     size_t n_present;  // frames that it had already, and that were not recorded twice
+    size_t n_skipped;  // frames that were offered, and passed over because the disk was too slow
+    size_t n_lost;     // frames that were taken, and could not be written (the sentence says why)
+    int n_recovered;   // stalls of the camera that were got over
 } sheen_record_report;
 
 // Records until the source ends, the policy does, or `count` frames came (each frame of a live source is a new one). A
 // frame that the session has already (same origin, sequence number and digest, and same name where the source names
-// it) counts as recorded. A frame's name is the source's where that is free, else the next number. Each frame is complete on the disk before the next is asked for, so
-// that a power cut loses at most the one in flight; *report is right also when it fails.
+// it) counts as recorded. A frame's name is the source's where that is free, else the next number. Frames are written by a thread of their own, in the order in which they were
+// taken, each whole before the next; a frame that was taken waits in memory, and the camera waits where that is full, a
+// frame that is only offered is then passed over. What was taken is written whatever ends the recording. *report is
+// right also when it fails.
 // ETIMEOUT, ENODEV, ECANCEL, EIO (disk), EDATA (the source gave none), and what the source reports.
 sheen_status sheen_record(sheen_session *session, sheen_source *src, const sheen_record_options *options,
                           sheen_record_report *report, sheen_err *err);

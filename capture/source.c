@@ -111,6 +111,22 @@ bool sheen_source_is_live(const sheen_source *src)
     return src->backend->counters != NULL;
 }
 
+bool sheen_source_can_recover(const sheen_source *src)
+{
+    return src->backend->recover != NULL;
+}
+
+sheen_status sheen_source_recover(sheen_source *src, sheen_rung rung, sheen_err *err)
+{
+    return src->backend->recover ? src->backend->recover(src->self, rung, err)
+                                 : sheen_fail(err, SHEEN_EUNSUP, "a recording has no device to recover");
+}
+
+bool sheen_source_await(sheen_source *src, int timeout_ms)
+{
+    return !src->backend->await || src->backend->await(src->self, timeout_ms);
+}
+
 void sheen_source_stop(sheen_source *src)
 {
     atomic_store(&src->stopped, true);

@@ -65,6 +65,20 @@ void sheen_source_counters(sheen_source_counts *out, const sheen_source *src);
 // True for a camera: frames come whether one asks for them or not.
 bool sheen_source_is_live(const sheen_source *src);
 
+// What can be tried with a device that stalls, from the mildest on (ladder.h climbs it).
+typedef enum sheen_rung {
+    SHEEN_RUNG_RESTART, // the stream
+    SHEEN_RUNG_REOPEN,  // close, open by the name that lasts
+    SHEEN_RUNG_RESET,   // of the USB device, then as REOPEN
+    SHEEN_RUNG_COUNT
+} sheen_rung;
+
+bool sheen_source_can_recover(const sheen_source *src);
+// After OK frames can be waited for again, taken under the same settings. EUNSUP (no such remedy), ENODEV, EIO, ...
+sheen_status sheen_source_recover(sheen_source *src, sheen_rung rung, sheen_err *err);
+// Waits at most timeout_ms for a device that went away; true as soon as it may be there again.
+bool sheen_source_await(sheen_source *src, int timeout_ms);
+
 void sheen_source_stop(sheen_source *src);
 void sheen_source_close(sheen_source **src);
 

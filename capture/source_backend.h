@@ -20,7 +20,8 @@ typedef struct sheen_source_backend {
     // in as unknown and everything else zero. The payload, the mask and the extension must stay where they are
     // until the next call of `next` or `close`. info.source is set here: where this very payload first came from.
     // ETIMEOUT: none yet, may be called again. EEND: no more will come. ENODEV: the device went away. ECANCEL:
-    // `stop` was called while it waited. After anything but OK and ETIMEOUT it is not called again.
+    // `stop` was called while it waited. After anything but OK and ETIMEOUT it is not called again, unless `recover`
+    // has succeeded meanwhile.
     sheen_status (*next)(void *self, int timeout_ms, sheen_frame *frame, sheen_err *err);
 
     // Wakes a `next` that waits in another thread. Called from any thread or a signal handler, so it may only do
@@ -32,6 +33,14 @@ typedef struct sheen_source_backend {
 
     // What became of its frames. NULL: a recording, which loses none.
     void (*counters)(sheen_source_counts *out, const void *self);
+
+    // Tries to make a device deliver again that has stalled, failed or come back: one rung of the ladder (ladder.h).
+    // The settings of the session are set and proven anew before the next frame is given out. EUNSUP: has no such
+    // remedy, try the next; ENODEV: it is not there. After a failure it may be called again, as may `close`. NULL: a
+    // recording.
+    sheen_status (*recover)(void *self, sheen_rung rung, sheen_err *err);
+    // Waits at most timeout_ms for a device that went away; true as soon as it may be there. NULL: just tries again.
+    bool (*await)(void *self, int timeout_ms);
 
     // Closes and frees everything, whatever state it is in. Never fails.
     void (*close)(void *self);

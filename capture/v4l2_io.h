@@ -22,6 +22,15 @@ typedef struct sheen_v4l2_io {
     int (*wait)(void *self, int fd, int wake_fd, int timeout_ms);
     int (*close)(void *self, int fd);
     int64_t (*now_ns)(void *self); // CLOCK_MONOTONIC, the clock of the buffers' timestamps
+    // What follows may be NULL: it cannot be had here.
+    // The name of the node that stays with the camera when it is unplugged and comes back; "" where there is none.
+    void (*lasting_name)(void *self, char *name, size_t size_bytes, const char *path);
+    // What is plugged in at the node, so that another camera of the same make can be told: "046d:0825 SERIAL"; "": unknown.
+    void (*identity)(void *self, char *text, size_t size_bytes, const char *path);
+    // Resets the USB device that was plugged in as `identity` says. 0, or errno; ENOENT: there is none.
+    int (*reset)(void *self, const char *identity);
+    // Waits until the node may be there (1), time is over (0), or wake_fd can be read (0).
+    int (*await)(void *self, const char *path, int wake_fd, int timeout_ms);
 } sheen_v4l2_io;
 
 extern const sheen_v4l2_io sheen_v4l2_kernel; // v4l2_kernel.c

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// v4l2_kernel.c - the seam's real side: system calls and nothing else.
+// v4l2_kernel.c - the seam's real side: system calls, and what udev and libusb know of the device.
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/ioctl.h>
@@ -7,6 +7,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "capture/devices.h"
 #include "capture/v4l2_io.h"
 
 static int kernel_open(void *self, const char *path)
@@ -59,6 +60,30 @@ static int64_t kernel_now_ns(void *self)
     return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
 }
 
+static void kernel_lasting_name(void *self, char *name, size_t size_bytes, const char *path)
+{
+    (void)self;
+    sheen_device_lasting_name(name, size_bytes, path);
+}
+
+static void kernel_identity(void *self, char *text, size_t size_bytes, const char *path)
+{
+    (void)self;
+    sheen_device_identity(text, size_bytes, path);
+}
+
+static int kernel_reset(void *self, const char *identity)
+{
+    (void)self;
+    return sheen_device_reset(identity);
+}
+
+static int kernel_await(void *self, const char *path, int wake_fd, int timeout_ms)
+{
+    (void)self;
+    return sheen_device_await(path, wake_fd, timeout_ms);
+}
+
 const sheen_v4l2_io sheen_v4l2_kernel = {
     .self = NULL,
     .open = kernel_open,
@@ -68,4 +93,8 @@ const sheen_v4l2_io sheen_v4l2_kernel = {
     .wait = kernel_wait,
     .close = kernel_close,
     .now_ns = kernel_now_ns,
+    .lasting_name = kernel_lasting_name,
+    .identity = kernel_identity,
+    .reset = kernel_reset,
+    .await = kernel_await,
 };

@@ -28,7 +28,10 @@ static sheen_status set_lock(sheen_v4l2_prepare *p, sheen_err *err)
 {
     const sheen_v4l2_lock_options o = {p->options->exposure_s, p->options->mains_hz};
     enter(p, SHEEN_V4L2_SETTLE);
-    return sheen_v4l2_lock_set(&p->lock, &o, p->stream->io, p->stream->fd, p->stream->path, err);
+    const sheen_status s = sheen_v4l2_lock_set(&p->lock, &o, p->stream->io, p->stream->fd, p->stream->path,
+                                               err);
+    p->locked = !s;
+    return s;
 }
 
 sheen_status sheen_v4l2_prepare_begin(sheen_v4l2_prepare *p, sheen_err *err)
@@ -46,6 +49,15 @@ sheen_status sheen_v4l2_prepare_begin(sheen_v4l2_prepare *p, sheen_err *err)
 void sheen_v4l2_prepare_again(sheen_v4l2_prepare *p)
 {
     enter(p, SHEEN_V4L2_SETTLE);
+}
+
+sheen_status sheen_v4l2_prepare_resume(sheen_v4l2_prepare *p, sheen_err *err)
+{
+    p->probed = false;
+    if (!p->locked)
+        return sheen_v4l2_prepare_begin(p, err);
+    enter(p, SHEEN_V4L2_SETTLE);
+    return sheen_v4l2_lock_again(&p->lock, p->stream->io, p->stream->fd, p->stream->path, err);
 }
 
 static sheen_status light_of(float rgb[3], const sheen_v4l2_prepare *p, const sheen_v4l2_frame *frame,

@@ -27,6 +27,7 @@ typedef struct sheen_v4l2_prepare {
     const sheen_v4l2_options *options;
     sheen_transfer transfer;
     sheen_v4l2_lock lock;
+    bool locked; // `lock` is whole
     sheen_v4l2_phase phase;
     bool probed;  // once is enough: later changes are settled only
     int n_frames; // of this phase
@@ -40,6 +41,9 @@ typedef struct sheen_v4l2_prepare {
 sheen_status sheen_v4l2_prepare_begin(sheen_v4l2_prepare *p, sheen_err *err);
 // Settings were set again: back to SETTLE.
 void sheen_v4l2_prepare_again(sheen_v4l2_prepare *p);
+// The stream was started anew, maybe of a camera that was plugged in anew: the same lock is set again (where there was one
+// already), and everything is proven again. As sheen_v4l2_prepare_begin.
+sheen_status sheen_v4l2_prepare_resume(sheen_v4l2_prepare *p, sheen_err *err);
 // Takes a frame of the stream whose exposure began at start_ns (-1: not known); the phase says when it is finished.
 // EDATA where the picture does not rest or does not obey, EUNSUP (the lock), ENODEV, EIO, ENOMEM.
 sheen_status sheen_v4l2_prepare_frame(sheen_v4l2_prepare *p, const sheen_v4l2_frame *frame, int64_t start_ns,

@@ -5,8 +5,10 @@
 // counted, the lock is set again and the picture settled anew; a camera that keeps doing it is given up.
 #include "capture/v4l2_source.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include <sys/eventfd.h>
@@ -21,7 +23,9 @@ typedef struct camera {
     const sheen_v4l2_io *io;
     sheen_v4l2_options options;
     int fd, wake_fd;
-    char device[128];
+    char device[128];  // as it names itself, and its place
+    char identity[80]; // what was plugged in when it was opened
+    char lasting[256]; // by which it is found again; "": by the path alone
     sheen_v4l2_stream stream;
     sheen_v4l2_prepare prepare;
     int n_relocks; // in a row
@@ -38,23 +42,38 @@ static void camera_close(void *self)
     free(c);
 }
 
-static sheen_status start(camera *c, sheen_err *err)
+// Formats the opened node and starts its stream. Counts go on.
+static sheen_status start_stream(camera *c, sheen_err *err)
 {
-    c->stream = (sheen_v4l2_stream){.io = c->io, .fd = c->fd, .wake_fd = c->wake_fd, .path = c->options.path};
-    c->prepare = (sheen_v4l2_prepare){.stream = &c->stream, .options = &c->options};
+    const sheen_source_counts counts = c->stream.counts;
+    c->stream = (sheen_v4l2_stream){
+        .io = c->io, .fd = c->fd, .wake_fd = c->wake_fd, .path = c->options.path, .counts = counts};
+    c->prepare.stream = &c->stream;
+    c->prepare.options = &c->options;
     sheen_status s = sheen_v4l2_camera_configure(&c->stream.format, &c->options, c->io, c->fd, err);
     if (!s && c->options.set_transfer)
         c->prepare.transfer = c->options.transfer;
     else if (!s)
         s = sheen_pixels_transfer(&c->prepare.transfer, c->stream.format.fourcc, &c->stream.format.color,
                                   err);
-    if (!s)
-        s = sheen_v4l2_stream_start(&c->stream, err);
+    return s ? s : sheen_v4l2_stream_start(&c->stream, err);
+}
+
+static sheen_status start(camera *c, sheen_err *err)
+{
+    const sheen_status s = start_stream(c, err);
     if (!s && c->options.lock)
-        s = sheen_v4l2_prepare_begin(&c->prepare, err);
-    else
-        c->prepare.phase = SHEEN_V4L2_FINISHED;
+        return sheen_v4l2_prepare_begin(&c->prepare, err);
+    c->prepare.phase = SHEEN_V4L2_FINISHED;
     return s;
+}
+
+static void remember(camera *c)
+{
+    if (c->io->lasting_name)
+        c->io->lasting_name(c->io->self, c->lasting, sizeof c->lasting, c->options.path);
+    if (c->io->identity)
+        c->io->identity(c->io->self, c->identity, sizeof c->identity, c->options.path);
 }
 
 static sheen_status open_camera(camera **out, const sheen_v4l2_io *io, const char *rest, sheen_err *err)
@@ -72,6 +91,8 @@ static sheen_status open_camera(camera **out, const sheen_v4l2_io *io, const cha
         s = sheen_v4l2_camera_open(&c->fd, c->device, io, c->options.path, err);
     if (!s)
         s = start(c, err);
+    if (!s)
+        remember(c);
     if (s)
         camera_close(c);
     else
@@ -160,6 +181,99 @@ static sheen_status camera_next(void *self, int timeout_ms, sheen_frame *frame, 
     }
 }
 
+static void let_go(camera *c)
+{
+    sheen_v4l2_stream_stop(&c->stream);
+    if (c->fd >= 0)
+        c->io->close(c->io->self, c->fd);
+    c->fd = -1;
+}
+
+// Where it is looked for: the node's number may be another one now.
+static const char *where(const camera *c)
+{
+    return c->lasting[0] ? c->lasting : c->options.path;
+}
+
+// Up to its place on the bus, which may be another one now.
+static bool is_same_name(const char *a, const char *b)
+{
+    const size_t n = strcspn(a, "(");
+    return n == strcspn(b, "(") && !strncmp(a, b, n);
+}
+
+static sheen_status check_identity(const camera *c, const char *device, sheen_err *err)
+{
+    char identity[sizeof c->identity] = "";
+    if (c->io->identity)
+        c->io->identity(c->io->self, identity, sizeof identity, where(c));
+    if (is_same_name(device, c->device) && (!c->identity[0] || !strcmp(identity, c->identity)))
+        return SHEEN_OK;
+    return sheen_fail(
+        err, SHEEN_ENODEV,
+        "another camera is at '%.100s' now: %.60s %.40s instead of %.60s %.40s; plug the one that "
+        "the session was begun with in again",
+        where(c), device, identity, c->device, c->identity);
+}
+
+static sheen_status reopen(camera *c, sheen_err *err)
+{
+    char device[sizeof c->device];
+    let_go(c);
+    sheen_status s = sheen_v4l2_camera_open(&c->fd, device, c->io, where(c), err);
+    if (!s)
+        s = check_identity(c, device, err);
+    if (!s) {
+        snprintf(c->device, sizeof c->device, "%s", device);
+        s = start_stream(c, err);
+    }
+    return s;
+}
+
+static sheen_status reset(camera *c, sheen_err *err)
+{
+    enum { BACK_MS = 10000 };
+    if (!c->io->reset || !c->io->await || !c->identity[0])
+        return sheen_fail(err, SHEEN_EUNSUP, "'%s' is no USB camera that could be reset", c->options.path);
+    let_go(c);
+    const int code = c->io->reset(c->io->self, c->identity);
+    if (code == EACCES)
+        return sheen_fail(err, SHEEN_EACCESS,
+                          "no permission to reset the USB device of '%s': the udev rules of sheen give it",
+                          c->options.path);
+    if (code && code != ENODEV)
+        return sheen_fail(err, SHEEN_EIO, "the USB device of '%s' cannot be reset: %s", c->options.path,
+                          strerror(code));
+    if (!c->io->await(c->io->self, where(c), c->wake_fd, BACK_MS))
+        return sheen_fail(err, SHEEN_ENODEV, "'%s' did not come back after a reset", c->options.path);
+    return reopen(c, err);
+}
+
+static sheen_status camera_recover(void *self, sheen_rung rung, sheen_err *err)
+{
+    camera *c = self;
+    sheen_status s = SHEEN_OK;
+    if (rung == SHEEN_RUNG_RESET)
+        s = reset(c, err);
+    else if (rung == SHEEN_RUNG_REOPEN || c->fd < 0)
+        s = reopen(c, err);
+    else {
+        sheen_v4l2_stream_stop(&c->stream);
+        s = start_stream(c, err);
+    }
+    if (!s && c->options.lock)
+        s = sheen_v4l2_prepare_resume(&c->prepare, err);
+    return s;
+}
+
+// Whoever holds the old node open keeps its number from the camera that comes back.
+static bool camera_await(void *self, int timeout_ms)
+{
+    camera *c = self;
+    let_go(c);
+    return !c->io->await || c->io->await(c->io->self, where(c), c->wake_fd, timeout_ms);
+}
+
 static void camera_stop(void *self)
 {
     const camera *c = self;
@@ -180,6 +294,8 @@ const sheen_source_backend sheen_source_v4l2 = {
     .stop = camera_stop,
     .count = NULL,
     .counters = camera_counters,
+    .recover = camera_recover,
+    .await = camera_await,
     .close = camera_close,
 };
 

@@ -29,12 +29,16 @@ static sheen_status parse(sheen_cli *cli, capture_args *a, sheen_err *err)
          "stop after N frames (default: when the recording ends; of a\ncamera one is taken for each Enter or "
          "SIGUSR1, until q)",
          1, 1e6},
+        {"patience", 0, SHEEN_OPTION_NUMBER, &a->o.patience_s, "S",
+         "how long to wait for a camera that is unplugged or hangs to\nbe plugged in again (default 300)", 0,
+         86400},
         {"role", 0, SHEEN_OPTION_TEXT, &a->role, "ROLE",
          "record them as input, calibration or test\n(default: what the source says)", 0, 0},
         {"moving", 0, SHEEN_OPTION_TEXT, &a->moving, "WHAT",
          "of a new session: what moves between the frames,\ncamera (default) or object", 0, 0},
         {0},
     };
+    a->o.patience_s = 300;
     sheen_status s = sheen_cli_parse(cli, options, 1, 1, err);
     if (s || cli->wants_help)
         return s;
@@ -77,6 +81,9 @@ static void report(sheen_cli *cli, const sheen_session *s, const sheen_record_re
 {
     sheen_cli_say(cli, "%zu frame%s recorded into '%s'%s", r->n_recorded, sheen_cli_plural(r->n_recorded),
                   s->path, r->n_present ? ", the others were there already" : "");
+    if (r->n_skipped)
+        sheen_cli_warn(cli, "%zu frame%s passed over because the disk was slower than the camera",
+                       r->n_skipped, r->n_skipped == 1 ? " was" : "s were");
     if (w->detector && w->n_unseen)
         sheen_cli_warn(cli,
                        "%zu of them did not show the board: whether the light changed there is not known",
@@ -84,6 +91,14 @@ static void report(sheen_cli *cli, const sheen_session *s, const sheen_record_re
     sheen_json_put_string(&cli->out, "session", s->path);
     sheen_json_put_int(&cli->out, "recorded_frames", (long long)r->n_recorded);
     sheen_json_put_int(&cli->out, "present_frames", (long long)r->n_present);
+    sheen_json_put_int(&cli->out, "skipped_frames", (long long)r->n_skipped);
+    sheen_json_put_int(&cli->out, "recovered_stalls", r->n_recovered);
+}
+
+static void on_notice(void *self, const char *text)
+{
+    sheen_cli_clear_bar(self);
+    sheen_cli_warn(self, "%s", text);
 }
 
 static sheen_status record(sheen_cli *cli, capture_args *a, sheen_session *s, sheen_source *src,
@@ -95,6 +110,8 @@ static sheen_status record(sheen_cli *cli, capture_args *a, sheen_session *s, sh
     sheen_status st = sheen_source_is_live(src) ? sheen_cli_white_init(&white, s, err) : SHEEN_OK;
     if (st)
         return st;
+    a->o.notice = on_notice;
+    a->o.notice_self = cli;
     a->o.check = sheen_cli_white_check;
     a->o.check_self = &white;
     if (a->by_hand) {
@@ -132,6 +149,9 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
     if (st && r.n_recorded)
         sheen_cli_warn(cli, "%zu new frame%s recorded before that; the same command goes on from there",
                        r.n_recorded, r.n_recorded == 1 ? " was" : "s were");
+    if (st && r.n_lost)
+        sheen_cli_warn(cli, "%zu frame%s taken and could not be stored", r.n_lost,
+                       r.n_lost == 1 ? " was" : "s were");
     sheen_cli_session_close(&s, st != SHEEN_OK);
     sheen_source_close(&src);
     return st;

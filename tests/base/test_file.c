@@ -139,6 +139,36 @@ static void paths_and_digests(void **state)
     assert_string_equal(again, hex);
 }
 
+static void what_a_power_cut_left_is_swept(void **state)
+{
+    static const struct {
+        const char *name;
+        bool goes;
+    } files[] = {{".000001.json.aB3xY9", true},
+                 {".000001.json.aB3x", false},
+                 {".hidden", false},
+                 {"000001.json", false},
+                 {".a.b-c-d!", false}};
+    const test_scratch *scratch = *state;
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char path[TEST_PATH_MAX];
+        test_scratch_file(path, scratch, files[i].name);
+        test_file_write_text(path, "x");
+    }
+    sheen_dir_sweep(scratch->path, 60); // young: may be somebody's at work
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char path[TEST_PATH_MAX];
+        test_scratch_file(path, scratch, files[i].name);
+        assert_true(sheen_file_exists(path));
+    }
+    sheen_dir_sweep(scratch->path, 0);
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char path[TEST_PATH_MAX];
+        test_scratch_file(path, scratch, files[i].name);
+        assert_true(sheen_file_exists(path) != files[i].goes);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -149,6 +179,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(replaces_a_folder_in_one_step, test_scratch_setup,
                                         test_scratch_teardown),
         cmocka_unit_test_setup_teardown(removing_does_not_follow_links, test_scratch_setup,
+                                        test_scratch_teardown),
+        cmocka_unit_test_setup_teardown(what_a_power_cut_left_is_swept, test_scratch_setup,
                                         test_scratch_teardown),
         cmocka_unit_test_setup_teardown(paths_and_digests, test_scratch_setup, test_scratch_teardown),
     };

@@ -9,6 +9,7 @@
 
 // fake_v4l2.c: a camera without a face; the file behind a descriptor, or -1
 void fake_v4l2_reset(fake_v4l2 *f);
+void fake_v4l2_tick(fake_v4l2 *f); // time has passed: an unplugged camera may be back
 int fake_file_of(const fake_v4l2 *f, int fd);
 
 // fake_controls.c

@@ -176,6 +176,8 @@ int fake_queue_call(fake_v4l2 *f, unsigned long request, void *arg, int i_file)
         return buffer_call(f, request, arg, i_file);
     case VIDIOC_STREAMON:
     case VIDIOC_STREAMOFF:
+        if (request == VIDIOC_STREAMON)
+            fake_v4l2_treat(f, FAKE_RESTART);
         return stream(f, arg, request == VIDIOC_STREAMON, i_file);
     default:
         return ENOTTY;

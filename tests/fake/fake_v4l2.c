@@ -16,13 +16,16 @@ static int refuse(int code)
     return -1;
 }
 
-static void tick(fake_v4l2 *f)
+void fake_v4l2_tick(fake_v4l2 *f)
 {
     f->now_ns = f->clock_ns ? f->clock_ns() : f->now_ns + 1000;
     if (f->gone && f->faults.return_after_ns && f->now_ns >= f->unplugged_ns + f->faults.return_after_ns) {
         f->gone = false;
         f->node = f->faults.return_node;
         f->faults.unplug_at = f->faults.return_after_ns = 0;
+        f->identity = f->faults.return_as ? f->faults.return_as : FAKE_IDENTITY;
+        if (!f->n_payloads)
+            fake_add_controls(f);
     }
 }
 
@@ -37,7 +40,7 @@ void fake_v4l2_unplug(fake_v4l2 *f)
 
 int fake_v4l2_enter(fake_v4l2 *f, unsigned long request)
 {
-    tick(f);
+    fake_v4l2_tick(f);
     if (++f->n_calls == f->faults.fail_call) {
         if (f->faults.fail_errno == ENODEV)
             fake_v4l2_unplug(f);
@@ -46,6 +49,12 @@ int fake_v4l2_enter(fake_v4l2 *f, unsigned long request)
     if (request && request == f->faults.fail_request)
         return refuse(f->faults.fail_request_errno);
     return 0;
+}
+
+void fake_v4l2_treat(fake_v4l2 *f, fake_remedy by)
+{
+    if (f->faults.cure && by >= f->faults.cure && f->faults.stall_at && f->n_frames >= f->faults.stall_at)
+        f->faults.stall_at = 0;
 }
 
 bool fake_v4l2_is_node(const fake_v4l2 *f, const char *path)
@@ -68,6 +77,7 @@ int fake_v4l2_open(fake_v4l2 *f, const char *path)
         return refuse(EMFILE);
     f->files[i] = (fake_file){.open = true, .priority = V4L2_PRIORITY_DEFAULT};
     f->n_open++;
+    fake_v4l2_treat(f, FAKE_REOPEN);
     return FAKE_FD + i;
 }
 
@@ -210,6 +220,7 @@ void fake_v4l2_reset(fake_v4l2 *f)
                                    V4L2_QUANTIZATION_FULL_RANGE};
     f->interval_ns = 33333000;
     f->owner = -1;
+    f->identity = FAKE_IDENTITY;
     f->now_ns = 1000000000;
     fake_add_controls(f);
 }

@@ -30,6 +30,11 @@ enum {
     FAKE_STEP_BYTES = 1 << 26
 }; // the first descriptor; from one buffer's offset to the next
 
+#define FAKE_IDENTITY "1d6b:0102 F1"
+
+// What ends a stall: the mildest remedy that helps.
+typedef enum fake_remedy { FAKE_NONE, FAKE_RESTART, FAKE_REOPEN, FAKE_USB_RESET } fake_remedy;
+
 typedef struct fake_control {
     uint32_t id, type;
     const char *name;
@@ -47,7 +52,9 @@ typedef struct fake_faults {
         swapped; // frames: lost, ERROR flag, too few bytes, garbled inside, given after their successor
     int64_t stall_at, unplug_at; // frame; 0: never
     int64_t return_after_ns;     // an unplugged camera is back after so long; 0: never
-    int return_node;             // then it is /dev/video<return_node>
+    int return_node;             // then it is /dev/video<return_node>, and its settings are the factory's
+    const char *return_as;       // identity of what is plugged in then; NULL: the same camera
+    fake_remedy cure;            // of the stall, which then is over for good
     uint32_t first_sequence;
     bool sequence_stands;         // always first_sequence
     int lag_frames;               // settings act on the picture so many frames later
@@ -90,6 +97,8 @@ typedef struct fake_v4l2 {
     uint8_t *arena; // where all buffers lie, FAKE_STEP_BYTES apart; NULL: each by itself while mapped
     // State.
     fake_file files[FAKE_MAX_FILES];
+    const char *identity;
+    int n_resets;
     int n_open, n_calls, owner; // owner: the file whose buffers they are
     bool gone, streaming;
     int64_t now_ns, next_frame_ns, n_frames, unplugged_ns;
@@ -123,6 +132,8 @@ int fake_v4l2_poll(const fake_v4l2 *f, int fd);
 void fake_v4l2_unplug(fake_v4l2 *f);
 // The frames that are due until then come.
 void fake_v4l2_run(fake_v4l2 *f, int64_t until_ns);
+// Something was done about the camera: it may end a stall.
+void fake_v4l2_treat(fake_v4l2 *f, fake_remedy by);
 // The next call by its number: fails if the plan says so.
 int fake_v4l2_enter(fake_v4l2 *f, unsigned long request);
 // A plan of faults and the camera's own properties, "key=value;key=value" (fake_plan.c). NULL, or what is wrong with it.
