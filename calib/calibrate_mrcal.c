@@ -34,10 +34,12 @@ typedef struct layout {
     int n_states, n_measurements, image_size_px[2];
 } layout;
 
-static mrcal_problem_selections_t selections_of(sheen_problem_stage stage)
+// A splined model's knots can do all that its core does, so that the two are not solved for together.
+static mrcal_problem_selections_t selections_of(sheen_problem_stage stage, const mrcal_lensmodel_t *lens)
 {
     mrcal_problem_selections_t s = {.do_optimize_frames = true};
-    s.do_optimize_intrinsics_core = stage != SHEEN_PROBLEM_POSES;
+    s.do_optimize_intrinsics_core = stage != SHEEN_PROBLEM_POSES &&
+                                    lens->type != MRCAL_LENSMODEL_SPLINED_STEREOGRAPHIC;
     if (stage == SHEEN_PROBLEM_EVERYTHING) {
         s.do_optimize_intrinsics_distortions = true;
         s.do_optimize_calobject_warp = true;
@@ -48,12 +50,12 @@ static mrcal_problem_selections_t selections_of(sheen_problem_stage stage)
 
 static sheen_status layout_init(layout *l, const sheen_problem *p, sheen_problem_stage stage, sheen_err *err)
 {
-    *l = (layout){.selections = selections_of(stage),
-                  .constants = {.point_min_range = 1e-3, .point_max_range = 1e3},
+    *l = (layout){.constants = {.point_min_range = 1e-3, .point_max_range = 1e3},
                   .warp = {.values = {p->warp_m[0], p->warp_m[1]}},
                   .image_size_px = {p->camera.width_px, p->camera.height_px}};
     if (!mrcal_lensmodel_from_name(&l->lens, p->camera.lensmodel))
         return sheen_fail(err, SHEEN_EARG, "unknown lens model '%.80s'", p->camera.lensmodel);
+    l->selections = selections_of(stage, &l->lens);
     l->boards = calloc((size_t)p->n_frames, sizeof *l->boards);
     if (!l->boards)
         return sheen_fail_memory(err, (double)p->n_frames * sizeof *l->boards, "a calibration");
@@ -141,6 +143,12 @@ static sheen_status jacobian(cholmod_sparse **Jt_out, layout *l, const sheen_pro
     return s;
 }
 
+// How many of the lens parameters come before the first that is solved for.
+static size_t held_core(const layout *l)
+{
+    return l->selections.do_optimize_intrinsics_core ? 0 : 4;
+}
+
 // Both rows of dq/db (unpacked parameters, zero elsewhere) for the point at distance_m through q_px.
 static bool projection_gradient(double *dq_db, const layout *l, const sheen_problem *p, const double q_px[2],
                                 double distance_m)
@@ -162,8 +170,10 @@ static bool projection_gradient(double *dq_db, const layout *l, const sheen_prob
     }
     const int at_lens = mrcal_state_index_intrinsics(0, 1, 0, p->n_frames, 0, 0, p->n_frames, l->selections,
                                                      &l->lens);
+    const size_t held = held_core(l);
     for (size_t k = 0; ok && k < 2; k++)
-        memcpy(dq_db + k * n_states + (size_t)at_lens, dq_dlens + k * n_lens, n_lens * sizeof *dq_db);
+        memcpy(dq_db + k * n_states + (size_t)at_lens, dq_dlens + k * n_lens + held,
+               (n_lens - held) * sizeof *dq_db);
     for (int i = 0; ok && i < p->n_frames; i++) {
         const double *rt = p->rt_cam_grid + 6 * (size_t)i;
         sheen_Rt Rt;
@@ -212,32 +222,106 @@ static double sigma_at(const layout *l, const sheen_problem *p, const double q_p
     return result;
 }
 
+// The normal equations of a solved problem, factorised.
+typedef struct normal {
+    layout l;
+    cholmod_common common;
+    cholmod_factor *factor;
+    int token; // chatter is caught from open to close
+} normal;
+
+static void normal_close(normal *n)
+{
+    cholmod_free_factor(&n->factor, &n->common);
+    cholmod_finish(&n->common);
+    sheen_quiet_end(n->token);
+    free(n->l.boards);
+}
+
+static sheen_status normal_open(normal *n, const sheen_problem *p, sheen_err *err)
+{
+    *n = (normal){0};
+    sheen_status s = layout_init(&n->l, p, SHEEN_PROBLEM_EVERYTHING, err);
+    if (s)
+        return s;
+    cholmod_sparse *Jt = NULL;
+    n->token = sheen_quiet_begin();
+    cholmod_start(&n->common);
+    n->common.print = 0;
+    s = jacobian(&Jt, &n->l, p, &n->common, err);
+    if (!s) {
+        n->factor = cholmod_analyze(Jt, &n->common);
+        if (!n->factor || !cholmod_factorize(Jt, n->factor, &n->common) || n->common.status != CHOLMOD_OK ||
+            n->factor->minor < n->factor->n)
+            s = sheen_fail(err, SHEEN_EDATA, "the frames do not determine the lens");
+    }
+    cholmod_free_sparse(&Jt, &n->common);
+    if (s)
+        normal_close(n);
+    return s;
+}
+
 sheen_status sheen_problem_sigma(double *sigma_out_px, const sheen_problem *p, const double *q_px, size_t n,
                                  double distance_m, double sigma_px, sheen_err *err)
 {
-    layout l;
-    cholmod_common common;
-    cholmod_sparse *Jt = NULL;
-    cholmod_factor *factor = NULL;
-    sheen_status s = layout_init(&l, p, SHEEN_PROBLEM_EVERYTHING, err);
+    normal equations;
+    const sheen_status s = normal_open(&equations, p, err);
     if (s)
         return s;
-    const int token = sheen_quiet_begin();
-    cholmod_start(&common);
-    common.print = 0;
-    s = jacobian(&Jt, &l, p, &common, err);
-    if (!s) {
-        factor = cholmod_analyze(Jt, &common);
-        if (!factor || !cholmod_factorize(Jt, factor, &common) || common.status != CHOLMOD_OK ||
-            factor->minor < factor->n)
-            s = sheen_fail(err, SHEEN_EDATA, "the frames do not determine the lens");
+    for (size_t i = 0; i < n; i++)
+        sigma_out_px[i] = sigma_px * sigma_at(&equations.l, p, q_px + 2 * i, distance_m, equations.factor,
+                                              &equations.common);
+    normal_close(&equations);
+    return SHEEN_OK;
+}
+
+static void unpack(const layout *l, const sheen_problem *p, double *state)
+{
+    mrcal_unpack_solver_state_vector(state, 1, 0, p->n_frames, 0, 0, l->selections, &l->lens);
+}
+
+sheen_status sheen_problem_lens_covariance(double *covariance, const sheen_problem *p, double sigma_px,
+                                           sheen_err *err)
+{
+    normal equations;
+    sheen_status s = normal_open(&equations, p, err);
+    if (s)
+        return s;
+    const layout *l = &equations.l;
+    const size_t n = (size_t)l->n_states, n_lens = (size_t)p->camera.n_intrinsics, held = held_core(l);
+    const size_t at = (size_t)mrcal_state_index_intrinsics(0, 1, 0, p->n_frames, 0, 0, p->n_frames,
+                                                           l->selections, &l->lens);
+    memset(covariance, 0, n_lens * n_lens * sizeof *covariance);
+    for (size_t i = held; i < n_lens && !s; i++) {
+        cholmod_dense *unit = cholmod_zeros(n, 1, CHOLMOD_REAL, &equations.common), *column = NULL;
+        if (unit) {
+            double *b = unit->x;
+            b[at + i - held] = 1;
+            unpack(l, p, b); // both sides of the packed inverse are scaled
+            column = cholmod_solve(CHOLMOD_A, equations.factor, unit, &equations.common);
+        }
+        if (column) {
+            double *b = column->x;
+            unpack(l, p, b);
+            for (size_t k = held; k < n_lens; k++)
+                covariance[i * n_lens + k] = sigma_px * sigma_px * b[at + k - held];
+        } else
+            s = sheen_fail_memory(err, (double)n * sizeof(double), "the uncertainty of a calibration");
+        cholmod_free_dense(&unit, &equations.common);
+        cholmod_free_dense(&column, &equations.common);
     }
-    for (size_t i = 0; i < n && !s; i++)
-        sigma_out_px[i] = sigma_px * sigma_at(&l, p, q_px + 2 * i, distance_m, factor, &common);
-    cholmod_free_factor(&factor, &common);
-    cholmod_free_sparse(&Jt, &common);
-    cholmod_finish(&common);
-    sheen_quiet_end(token);
-    free(l.boards);
+    normal_close(&equations);
     return s;
+}
+
+sheen_status sheen_lens_gradient(double *dq_dlens, const sheen_camera *camera, const double p_cam[3],
+                                 sheen_err *err)
+{
+    mrcal_lensmodel_t lens;
+    mrcal_point2_t q;
+    const mrcal_point3_t p = {.x = p_cam[0], .y = p_cam[1], .z = p_cam[2]};
+    if (!mrcal_lensmodel_from_name(&lens, camera->lensmodel) ||
+        !mrcal_project(&q, NULL, dq_dlens, &p, 1, &lens, camera->intrinsics))
+        return sheen_fail(err, SHEEN_EARG, "the lens model '%.80s' could not project", camera->lensmodel);
+    return SHEEN_OK;
 }

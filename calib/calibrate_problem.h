@@ -24,7 +24,7 @@ typedef struct sheen_problem {
 typedef enum sheen_problem_stage {
     SHEEN_PROBLEM_POSES,      // the lens is held
     SHEEN_PROBLEM_CORE,       // poses and focal length, principal point
-    SHEEN_PROBLEM_EVERYTHING, // and distortion, the board's warp, with regularisation
+    SHEEN_PROBLEM_EVERYTHING, // and distortion, the board's warp, with regularisation (a splined lens: no core)
 } sheen_problem_stage;
 
 // Numbers of observations: 3 * this.
@@ -41,5 +41,13 @@ sheen_status sheen_problem_solve(sheen_problem *p, sheen_problem_stage stage, sh
 // factorised.
 sheen_status sheen_problem_sigma(double *sigma_out_px, const sheen_problem *p, const double *q_px, size_t n,
                                  double distance_m, double sigma_px, sheen_err *err);
+
+// Covariance [n][n] of the lens parameters (n = camera.n_intrinsics; zero where the solve holds one) of a solved
+// problem, for corner noise of sigma_px per axis. EDATA as above, ENOMEM.
+sheen_status sheen_problem_lens_covariance(double *covariance, const sheen_problem *p, double sigma_px,
+                                           sheen_err *err);
+// dq_dlens[2][n_intrinsics]: how the projection of a point moves with the lens parameters.
+sheen_status sheen_lens_gradient(double *dq_dlens, const sheen_camera *camera, const double p_cam[3],
+                                 sheen_err *err);
 
 #endif

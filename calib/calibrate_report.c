@@ -33,6 +33,33 @@ static void write_difference(sheen_json_writer *w, const char *key, const sheen_
     sheen_json_close(w);
 }
 
+static void write_map(sheen_json_writer *w, const sheen_calibration *c)
+{
+    sheen_json_open(w, "sigma_map_px", '[');
+    for (int row = 0; row < SHEEN_SIGMA_ROWS; row++)
+        sheen_json_put_numbers(w, NULL, c->sigma_px[row], SHEEN_SIGMA_COLS);
+    sheen_json_close(w);
+    sheen_json_put_number(w, "valid_share", c->valid_share);
+    sheen_json_open(w, "valid_region_px", '[');
+    for (int i = 0; i < c->n_region; i++)
+        sheen_json_put_numbers(w, NULL, c->region_px[i], 2);
+    sheen_json_close(w);
+}
+
+static void write_candidates(sheen_json_writer *w, const sheen_calibration *c)
+{
+    if (!c->n_candidates)
+        return;
+    sheen_json_open(w, "models_tried", '[');
+    for (int i = 0; i < c->n_candidates; i++) {
+        sheen_json_open(w, NULL, '{');
+        sheen_json_put_string(w, "model", c->candidates[i].name);
+        sheen_json_put_number(w, "held_out_px", c->candidates[i].held_out_px);
+        sheen_json_close(w);
+    }
+    sheen_json_close(w);
+}
+
 static void write_figures(sheen_json_writer *w, const sheen_calibration *c)
 {
     sheen_json_put_string(w, "verdict", c->verdict);
@@ -42,6 +69,7 @@ static void write_figures(sheen_json_writer *w, const sheen_calibration *c)
     sheen_json_put_int(w, "width_px", c->camera.width_px);
     sheen_json_put_int(w, "height_px", c->camera.height_px);
     sheen_json_put_number(w, "rms_px", c->rms_px);
+    sheen_json_put_number(w, "noise_px", c->noise_px);
     sheen_json_put_int(w, "frames_used", c->n_used);
     sheen_json_put_int(w, "corners", c->n_corners);
     sheen_json_put_int(w, "outliers", c->n_outliers);
@@ -56,13 +84,27 @@ static void write_figures(sheen_json_writer *w, const sheen_calibration *c)
         sheen_json_put_numbers(w, NULL, counts, SHEEN_COVERAGE_COLS);
     }
     sheen_json_close(w);
+    sheen_json_put_number(w, "pattern", c->pattern);
     sheen_json_put_numbers(w, "board_warp_m", c->warp_m, 2);
     sheen_json_put_number(w, "board_distance_m", c->distance_m);
     sheen_json_put_number(w, "board_tilt_rad", c->tilt_rad);
     sheen_json_put_number(w, "sigma_centre_px", c->sigma_centre_px);
     sheen_json_put_number(w, "sigma_worst_px", c->sigma_worst_px);
-    if (c->has_halves)
+    write_map(w, c);
+    if (c->has_halves) {
         write_difference(w, "halves", &c->halves);
+        sheen_json_put_number(w, "normalised_error", c->normalised_error);
+    }
+    write_candidates(w, c);
+}
+
+void sheen_calibration_write(sheen_json_writer *w, const sheen_calibration *c)
+{
+    write_figures(w, c);
+    sheen_json_open(w, "frames", '[');
+    for (size_t i = 0; i < c->n_frames; i++)
+        write_frame(w, &c->frames[i]);
+    sheen_json_close(w);
 }
 
 sheen_status sheen_calibration_save(const sheen_calibration *c, const sheen_session *s, const char *path,
@@ -71,11 +113,7 @@ sheen_status sheen_calibration_save(const sheen_calibration *c, const sheen_sess
     sheen_json_writer w = {0};
     sheen_json_open(&w, NULL, '{');
     sheen_json_put_string(&w, "schema", "sheen-calibration/1");
-    write_figures(&w, c);
-    sheen_json_open(&w, "frames", '[');
-    for (size_t i = 0; i < c->n_frames; i++)
-        write_frame(&w, &c->frames[i]);
-    sheen_json_close(&w);
+    sheen_calibration_write(&w, c);
     if (s) {
         const char *inputs[3];
         sheen_calibration_inputs(inputs, s);

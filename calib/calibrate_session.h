@@ -33,6 +33,10 @@ sheen_status sheen_calibrate_files(sheen_calibration *out, const char *const *pa
 sheen_status sheen_calibration_save(const sheen_calibration *c, const sheen_session *s, const char *path,
                                     sheen_err *err);
 
+// All its figures, into an open object.
+struct sheen_json_writer;
+void sheen_calibration_write(struct sheen_json_writer *w, const sheen_calibration *c);
+
 #ifdef __cplusplus
 }
 #endif

@@ -2,14 +2,17 @@
 // cmd_calibrate.c - sheen calibrate: the camera's lens from pictures of the board.
 #include <math.h>
 #include <stdint.h>
+#include <stdio.h>
 
+#include "base/image_file.h"
+#include "calib/calibrate_page.h"
 #include "calib/calibrate_session.h"
 #include "cli/cli.h"
 #include "cli/commands.h"
 #include "cli/stages.h"
 
 typedef struct calibrate_args {
-    const char *board, *output;
+    const char *board, *output, *report;
     double max_rms_px; // NaN: no limit
     sheen_calibrate_options o;
 } calibrate_args;
@@ -22,8 +25,12 @@ static sheen_status parse(sheen_cli *cli, calibrate_args *a, sheen_err *err)
          "board.json; with picture files, which have no session", 0, 0},
         {"output", 'o', SHEEN_OPTION_TEXT, &a->output, "FILE",
          "the camera as a .cameramodel (default with picture\nfiles: camera.cameramodel)", 0, 0},
-        {"lensmodel", 0, SHEEN_OPTION_TEXT, &a->o.lensmodel, "NAME",
-         "LENSMODEL_OPENCV4, _OPENCV5 or _OPENCV8 (default)", 0, 0},
+        {"model", 0, SHEEN_OPTION_TEXT, &a->o.lensmodel, "NAME",
+         "opencv4, opencv5, opencv8 (default), cahvor, splined, or\nauto: what predicts frames best that it "
+         "was not made from",
+         0, 0},
+        {"report", 0, SHEEN_OPTION_TEXT, &a->report, "FILE.html",
+         "figures, plots and what to do next, on one page", 0, 0},
         {"max-rms-px", 0, SHEEN_OPTION_NUMBER, &a->max_rms_px, "X",
          "exit with 3 where the reprojection error is larger", 0, 1e6},
         {"threads", 0, SHEEN_OPTION_INT, &a->o.n_threads, "N", "default: one a processor", 1, 1024},
@@ -43,23 +50,51 @@ void sheen_cli_say_calibration(sheen_cli *cli, const sheen_calibration *c)
     sheen_cli_say(
         cli, "reprojection error %.3f px rms an axis (worst frame %s: %.3f), corners in %.0f %% of the image",
         c->rms_px, c->frames[c->i_worst].name, c->frames[c->i_worst].rms_px, 100 * c->coverage);
+    for (int i = 0; i < c->n_candidates; i++)
+        sheen_cli_say(cli, "  %-8s predicts frames that it was not made from to %.4f px",
+                      c->candidates[i].name, c->candidates[i].held_out_px);
     if (c->has_halves)
-        sheen_cli_say(cli,
-                      "even and odd frames apart give cameras that differ by %.3f px rms where the board was",
-                      c->halves.moved_rms_px);
+        sheen_cli_say(
+            cli,
+            "even and odd frames apart give cameras that differ by %.3f px rms where the board was, "
+            "%.2f times what their uncertainty predicts",
+            c->halves.moved_rms_px, c->normalised_error);
     sheen_cli_say(cli, "%s", c->verdict);
-    sheen_json_put_number(&cli->out, "rms_px", c->rms_px);
-    sheen_json_put_int(&cli->out, "frames_used", c->n_used);
-    sheen_json_put_int(&cli->out, "frames", (long long)c->n_frames);
-    sheen_json_put_int(&cli->out, "corners", c->n_corners);
-    sheen_json_put_int(&cli->out, "outliers", c->n_outliers);
-    sheen_json_put_number(&cli->out, "coverage", c->coverage);
-    sheen_json_put_number(&cli->out, "sigma_centre_px", c->sigma_centre_px);
-    sheen_json_put_number(&cli->out, "sigma_worst_px", c->sigma_worst_px);
-    sheen_json_put_string(&cli->out, "lensmodel", c->camera.lensmodel);
-    sheen_json_put_numbers(&cli->out, "intrinsics", c->camera.intrinsics, (size_t)c->camera.n_intrinsics);
-    sheen_json_put_bool(&cli->out, "good", c->good);
-    sheen_json_put_string(&cli->out, "verdict", c->verdict);
+    sheen_calibration_write(&cli->out, c);
+}
+
+// Where the frames' pictures are: a session, or picture files in the order of the calibration's frames.
+typedef struct picture_source {
+    const sheen_calibration *calibration;
+    const char *session_path; // NULL: files
+    const char *const *paths;
+} picture_source;
+
+static sheen_status read_picture(void *self, size_t i_frame, sheen_raster *out, sheen_err *err)
+{
+    const picture_source *source = self;
+    if (!source->session_path)
+        return sheen_raster_load(out, source->paths[i_frame], err);
+    sheen_session s;
+    sheen_status st = sheen_session_open(&s, source->session_path, err);
+    if (st)
+        return st;
+    const sheen_frame_info *frame = sheen_session_find(&s, source->calibration->frames[i_frame].name);
+    st = frame ? sheen_session_raster(out, &s, frame, err)
+               : sheen_fail(err, SHEEN_EDATA, "the frame is no longer in the session");
+    sheen_session_release(&s);
+    return st;
+}
+
+static sheen_status write_report(const sheen_cli *cli, const char *path, const sheen_calibration *c,
+                                 bool in_session, sheen_err *err)
+{
+    picture_source source = {
+        .calibration = c, .session_path = in_session ? cli->args[0] : NULL, .paths = cli->args};
+    const sheen_frame_pictures pictures = {.read = read_picture, .self = &source};
+    char title[SHEEN_PATH_MAX + 32];
+    snprintf(title, sizeof title, "Calibration of %s", in_session ? cli->args[0] : "picture files");
+    return sheen_calibration_page(c, &pictures, title, path, err);
 }
 
 static sheen_status calibrate_session(sheen_cli *cli, const calibrate_args *a, sheen_calibration *c,
@@ -104,6 +139,8 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
     const char *output = a.output ? a.output : in_session ? NULL : "camera.cameramodel";
     if (output)
         st = sheen_camera_save(&c.camera, output, err);
+    if (!st && a.report)
+        st = write_report(cli, a.report, &c, in_session, err);
     sheen_cli_clear_bar(cli);
     if (!st)
         sheen_cli_say_calibration(cli, &c);

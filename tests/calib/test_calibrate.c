@@ -6,8 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/pose3.h"
-#include "calib/calibrate.h"
+#include "calib/calibrate_page.h"
 #include "support.h"
 #include "support_board.h"
 #include "synthetic_views.h"
@@ -193,27 +194,131 @@ static void a_frame_that_does_not_fit_is_left_out(void **state)
     release(&f);
 }
 
-static void smaller_models_work_and_others_are_refused(void **state)
+static void every_model_works_and_others_are_refused(void **state)
 {
     (void)state;
     static const struct {
         const char *name;
         int n;
-    } models[] = {{"LENSMODEL_OPENCV4", 8}, {"LENSMODEL_OPENCV5", 9}, {"LENSMODEL_OPENCV8", 12}};
+        double moved_px;
+    } models[] = {{"LENSMODEL_OPENCV4", 8, 0.6},
+                  {"opencv5", 9, 0.6},
+                  {"opencv8", 12, 0.06},
+                  {"cahvor", 9, 2},
+                  {"splined", 388, 1.5}};
     sheen_err err;
     fixture f;
     sheen_calibration c;
-    make(&f, 10, 0.05, flat);
-    for (size_t i = 0; i < 3; i++) {
+    sheen_camera_difference d;
+    make(&f, 20, 0.05, flat);
+    for (size_t i = 0; i < sizeof models / sizeof *models; i++) {
         const sheen_calibrate_options options = {.lensmodel = models[i].name};
-        assert_ok(sheen_calibrate(&c, &f.board, f.views, 10, &options, &err), err);
+        assert_ok(sheen_calibrate(&c, &f.board, f.views, 20, &options, &err), err);
         assert_int_equal(c.camera.n_intrinsics, models[i].n);
-        assert_close(c.camera.intrinsics[0], 930, 8);
+        assert_ok(sheen_camera_compare(&d, &c.camera, &f.truth, c.distance_m, &err), err);
+        assert_close(d.moved_rms_px, 0, models[i].moved_px);
         sheen_calibration_release(&c);
     }
-    const sheen_calibrate_options options = {.lensmodel = "LENSMODEL_CAHVOR"};
-    assert_fails(sheen_calibrate(&c, &f.board, f.views, 10, &options, &err), err, SHEEN_EARG,
-                 "'LENSMODEL_CAHVOR'");
+    const sheen_calibrate_options options = {.lensmodel = "LENSMODEL_FISHEYE"};
+    assert_fails(
+        sheen_calibrate(&c, &f.board, f.views, 10, &options, &err), err, SHEEN_EARG,
+        "cannot calibrate the lens model 'LENSMODEL_FISHEYE': use opencv4, opencv5, opencv8, cahvor");
+    release(&f);
+}
+
+// The fixture's lens has eight coefficients that count; with four of them zero, four do.
+static void chooses_the_model_that_the_lens_needs(void **state)
+{
+    (void)state;
+    const sheen_calibrate_options options = {.lensmodel = "auto"};
+    sheen_err err;
+    fixture f;
+    sheen_calibration c;
+    make(&f, 20, 0.05, flat);
+    assert_ok(sheen_calibrate(&c, &f.board, f.views, 20, &options, &err), err);
+    assert_string_equal(c.camera.lensmodel, "LENSMODEL_OPENCV8");
+    assert_in_range(c.n_candidates, 4, 5);
+    assert_string_equal(c.candidates[0].name, "opencv4");
+    assert_true(c.candidates[0].held_out_px > c.candidates[3].held_out_px);
+    assert_close(c.candidates[3].held_out_px, 0.05, 0.005);
+    sheen_calibration_release(&c);
+
+    uint64_t seed = 5;
+    f.truth.n_intrinsics = 8;
+    snprintf(f.truth.lensmodel, sizeof f.truth.lensmodel, "LENSMODEL_OPENCV4");
+    for (int i = 0; i < f.n; i++) {
+        sheen_board_view_release(&f.views[i]);
+        test_view_make(&f.views[i], "frame", &f.board, &f.truth, f.rt_cam_board[i], 0.05, flat, &seed);
+    }
+    assert_ok(sheen_calibrate(&c, &f.board, f.views, 20, &options, &err), err);
+    assert_string_equal(c.camera.lensmodel, "LENSMODEL_OPENCV4");
+    sheen_calibration_release(&c);
+    release(&f);
+}
+
+// Halves of the frames differ by what their uncertainty predicts: 1 in the root mean square of many calibrations.
+static void halves_differ_as_predicted(void **state)
+{
+    (void)state;
+    enum { REPEATS = 16 };
+    sheen_err err;
+    fixture f;
+    double square = 0;
+    uint64_t seed = 901;
+    make(&f, 20, 0, flat);
+    for (int r = 0; r < REPEATS; r++) {
+        sheen_calibration c;
+        for (int i = 0; i < f.n; i++) {
+            sheen_board_view_release(&f.views[i]);
+            test_view_make(&f.views[i], "frame", &f.board, &f.truth, f.rt_cam_board[i], 0.1, flat, &seed);
+        }
+        assert_ok(sheen_calibrate(&c, &f.board, f.views, (size_t)f.n, &usual, &err), err);
+        assert_true(c.has_halves);
+        assert_close(c.noise_px, 0.1, 0.006);
+        square += c.normalised_error * c.normalised_error / REPEATS;
+        sheen_calibration_release(&c);
+    }
+    assert_close(sqrt(square), 1, 0.2);
+    release(&f);
+}
+
+static sheen_status no_picture(void *self, size_t i_frame, sheen_raster *out, sheen_err *err)
+{
+    int *n_asked = self;
+    *out = (sheen_raster){0};
+    ++*n_asked;
+    return sheen_fail(err, SHEEN_EIO, "frame %zu has no picture", i_frame);
+}
+
+// The page is written even where no picture is to be had, and holds each figure's name and every frame.
+static void the_report_is_a_page(void **state)
+{
+    sheen_err err;
+    fixture f;
+    sheen_calibration c;
+    char path[TEST_PATH_MAX];
+    uint8_t *data;
+    size_t size_bytes;
+    int n_asked = 0;
+    const sheen_frame_pictures pictures = {.read = no_picture, .self = &n_asked};
+    test_scratch_file(path, *state, "report.html");
+    make(&f, 12, 0.05, flat);
+    f.views[3].n_saddles = 2;
+    assert_ok(sheen_calibrate(&c, &f.board, f.views, 12, &usual, &err), err);
+    assert_ok(sheen_calibration_page(&c, &pictures, "A <camera>", path, &err), err);
+    assert_int_equal(n_asked, 3);
+    assert_ok(sheen_file_read(&data, &size_bytes, path, 1 << 22, &err), err);
+    data[size_bytes - 1] = 0;
+    static const char *const words[] = {
+        "A &lt;camera&gt;",       "usable with care",
+        "Where the corners are",  "How certain a projection is",
+        "direction of residuals", "Cross-validation",
+        "The worst frames",       "<td>f03</td><td>2</td><td></td><td></td><td></td><td>not used: only 2"};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        if (!strstr((const char *)data, words[i]) && !(i == 1 && c.good))
+            fail_msg("the report lacks '%s'", words[i]);
+    free(data);
+    sheen_calibration_release(&c);
     release(&f);
 }
 
@@ -287,7 +392,10 @@ int main(void)
         cmocka_unit_test(finds_a_bent_board),
         cmocka_unit_test(outliers_and_missing_corners_do_no_harm),
         cmocka_unit_test(a_frame_that_does_not_fit_is_left_out),
-        cmocka_unit_test(smaller_models_work_and_others_are_refused),
+        cmocka_unit_test(every_model_works_and_others_are_refused),
+        cmocka_unit_test(chooses_the_model_that_the_lens_needs),
+        cmocka_unit_test(halves_differ_as_predicted),
+        cmocka_unit_test_setup_teardown(the_report_is_a_page, test_scratch_setup, test_scratch_teardown),
         cmocka_unit_test(says_what_it_cannot_calibrate_from),
         cmocka_unit_test(face_on_frames_are_not_called_good),
     };
