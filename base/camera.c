@@ -101,24 +101,54 @@ static void add_numbers(text *t, const char *key, const double *x, int n)
     add(t, "],\n");
 }
 
+static void add_extras(text *t, const sheen_camera_extras *extras)
+{
+    if (extras->n_region) {
+        add(t, "\n    'valid_intrinsics_region': [\n");
+        for (size_t i = 0; i < extras->n_region; i++)
+            add(t, "    [ %.10g, %.10g ],\n", extras->region_px[2 * i], extras->region_px[2 * i + 1]);
+        add(t, "    ],\n");
+    }
+    if (extras->optimization_inputs)
+        add(t,
+            "\n    # the solve that made this camera, for mrcal's tools: it holds as long as the intrinsics "
+            "do\n"
+            "    'icam_intrinsics': 0,\n    'optimization_inputs': b'%s',\n",
+            extras->optimization_inputs);
+}
+
 // mrcal 2.2's own writer keeps six decimals, which is too few for tangential distortion.
-sheen_status sheen_camera_save(const sheen_camera *cam, const char *path, sheen_err *err)
+sheen_status sheen_camera_save_with(const sheen_camera *cam, const sheen_camera_extras *extras,
+                                    const char *path, sheen_err *err)
 {
     sheen_status s = sheen_camera_check(cam, err);
     if (s)
         return s;
-    text t = {.size_bytes = 1024 + 32 * (size_t)(cam->n_intrinsics + 6), .fits = 1};
+    const size_t inputs_bytes = extras->optimization_inputs ? strlen(extras->optimization_inputs) : 0;
+    text t = {.size_bytes = 2048 + 32 * (size_t)(cam->n_intrinsics + 6) + 64 * extras->n_region +
+                            inputs_bytes,
+              .fits = 1};
     t.data = malloc(t.size_bytes);
     if (!t.data)
         return sheen_fail_memory(err, (double)t.size_bytes, path);
+    if (extras->note)
+        add(&t, "# %.500s\n", extras->note);
     add(&t, "{\n    'lensmodel':  '%s',\n\n", cam->lensmodel);
     add(&t, "    # intrinsics are fx,fy,cx,cy,distortion0,distortion1,....\n");
     add_numbers(&t, "intrinsics", cam->intrinsics, cam->n_intrinsics);
     add(&t, "\n    # extrinsics are rt_fromref\n");
     add_numbers(&t, "extrinsics", cam->rt_cam_ref, 6);
-    add(&t, "\n    'imagersize': [ %d, %d,],\n}\n", cam->width_px, cam->height_px);
+    add(&t, "\n    'imagersize': [ %d, %d,],\n", cam->width_px, cam->height_px);
+    add_extras(&t, extras);
+    add(&t, "}\n");
     s = t.fits ? sheen_file_write(path, t.data, t.used_bytes, err)
                : sheen_fail(err, SHEEN_EARG, "camera is too large to write to '%s'", path);
     free(t.data);
     return s;
+}
+
+sheen_status sheen_camera_save(const sheen_camera *cam, const char *path, sheen_err *err)
+{
+    const sheen_camera_extras none = {0};
+    return sheen_camera_save_with(cam, &none, path, err);
 }

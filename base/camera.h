@@ -49,6 +49,17 @@ sheen_status sheen_camera_parse(sheen_camera *cam, const void *data, size_t size
 sheen_status sheen_camera_load(sheen_camera *cam, const char *path, sheen_err *err);
 sheen_status sheen_camera_save(const sheen_camera *cam, const char *path, sheen_err *err);
 
+// What mrcal's tools and people find in such a file beside the lens; each may be left out.
+typedef struct sheen_camera_extras {
+    const double *region_px; // closed outline [n_region][2] of where the lens is certain
+    size_t n_region;
+    const char *note;                // a comment of one line
+    const char *optimization_inputs; // base 85, as mrcal writes them
+} sheen_camera_extras;
+
+sheen_status sheen_camera_save_with(const sheen_camera *cam, const sheen_camera_extras *extras,
+                                    const char *path, sheen_err *err);
+
 #ifdef __cplusplus
 }
 #endif

@@ -67,6 +67,8 @@ typedef struct sheen_calibration_region {
 
 typedef struct sheen_calibration {
     sheen_camera camera;
+    int board_cols, board_rows; // squares of the board, and their side
+    double square_m;
     size_t n_frames;
     sheen_calibration_frame *frames;   // in the order of the views
     int n_used, n_corners, n_outliers; // corners and outliers of used frames

@@ -74,7 +74,7 @@ static sheen_status write_results(const sheen_calibration *c, const sheen_sessio
     if (!st)
         st = sheen_session_path(path, s, SHEEN_SESSION_CAMERA, err);
     if (!st)
-        st = sheen_camera_save(&c->camera, path, err);
+        st = sheen_calibration_save_camera(c, path, err);
     if (!st)
         st = sheen_session_path(path, s, SHEEN_SESSION_CALIBRATION, err);
     if (!st)

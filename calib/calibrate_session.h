@@ -29,6 +29,10 @@ sheen_status sheen_calibrate_files(sheen_calibration *out, const char *const *pa
                                    const char *board_path, const sheen_calibrate_options *options,
                                    sheen_err *err);
 
+// camera.cameramodel with all digits, the valid region, and all that mrcal's tools need to show its uncertainty and
+// residuals. EIO, ENOMEM.
+sheen_status sheen_calibration_save_camera(const sheen_calibration *c, const char *path, sheen_err *err);
+
 // calibration.json, schema "sheen-calibration/1"; with s (may be NULL) also the digests of what it was made from.
 sheen_status sheen_calibration_save(const sheen_calibration *c, const sheen_session *s, const char *path,
                                     sheen_err *err);

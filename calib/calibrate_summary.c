@@ -151,6 +151,9 @@ sheen_status sheen_calibration_summarise(sheen_calibration *c, const sheen_probl
     const int *i_view = j->used;
     double sum = 0;
     c->camera = p->camera;
+    c->board_cols = board->n_cols;
+    c->board_rows = board->n_rows;
+    c->square_m = board->square_m;
     c->n_used = p->n_frames;
     c->n_corners = c->n_outliers = 0;
     c->i_worst = i_view[0];

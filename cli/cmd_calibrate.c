@@ -138,7 +138,7 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
         return st;
     const char *output = a.output ? a.output : in_session ? NULL : "camera.cameramodel";
     if (output)
-        st = sheen_camera_save(&c.camera, output, err);
+        st = sheen_calibration_save_camera(&c, output, err);
     if (!st && a.report)
         st = write_report(cli, a.report, &c, in_session, err);
     sheen_cli_clear_bar(cli);
