@@ -37,6 +37,10 @@ static sheen_status parse(sheen_cli *cli, fit_args *a, sheen_err *err)
          1e8},
         {"loss", 0, SHEEN_OPTION_TEXT, &a->loss, "NAME",
          "lorentzian (default) or quartic: equations 10 and 11\nto the letter", 0, 0},
+        {"keep-poses", 0, SHEEN_OPTION_FLAG, &a->o.keep_poses, NULL,
+         "refined: take the poses as they are (default: made to\nagree on the surface)", 0, 0},
+        {"keep-exposures", 0, SHEEN_OPTION_FLAG, &a->o.keep_exposures, NULL,
+         "refined: take exposure and white balance as equal in all\nphotographs (default: measured)", 0, 0},
         {"threads", 0, SHEEN_OPTION_INT, &a->o.n_threads, "N", "default: one a processor", 1, 1024},
         {0},
     };
@@ -88,6 +92,11 @@ void sheen_cli_say_fit(sheen_cli *cli, const sheen_fit_summary *f)
                   f->sigma_rad, f->sigma0_rad, f->objective, f->n_turns,
                   f->converged ? "" : ", not converged");
     say_turns(cli, f);
+    if (f->poses_refined)
+        sheen_cli_say(cli, "poses: moved by %.2f px (rms), known to %.2f px", f->pose_moved_px,
+                      f->pose_sigma_px);
+    if (f->exposures_refined)
+        sheen_cli_say(cli, "exposures: differ by up to %.2f EV, and were evened out", f->exposure_range_ev);
     if (!isnan(f->f0))
         sheen_cli_say(cli, "surroundings: reflectance %.3f at normal incidence, with the mesh's own shadows",
                       f->f0);
@@ -106,6 +115,11 @@ void sheen_cli_say_fit(sheen_cli *cli, const sheen_fit_summary *f)
     sheen_json_put_number(&cli->out, "sigma_err", f->sigma_err);
     sheen_json_put_number(&cli->out, "objective", f->objective);
     put_turns(cli, f);
+    sheen_json_put_bool(&cli->out, "poses_refined", f->poses_refined);
+    sheen_json_put_number(&cli->out, "pose_moved_px", f->pose_moved_px);
+    sheen_json_put_number(&cli->out, "pose_sigma_px", f->pose_sigma_px);
+    sheen_json_put_bool(&cli->out, "exposures_refined", f->exposures_refined);
+    sheen_json_put_number(&cli->out, "exposure_range_ev", f->exposure_range_ev);
     sheen_json_put_bool(&cli->out, "converged", f->converged);
     sheen_json_put_numbers(&cli->out, "light_rgb", f->light_rgb, 3);
 }

@@ -49,6 +49,25 @@ static sheen_status load(stage *st, const sheen_progress *progress, sheen_err *e
     return sheen_photos_load(&st->photos, st->s, SHEEN_ROLE_INPUT, progress, err);
 }
 
+static void summarize_align(sheen_fit_summary *out, const sheen_align_result *r)
+{
+    double least = HUGE_VAL, most = -HUGE_VAL;
+    out->poses_refined = r->poses_kept;
+    out->exposures_refined = r->gains_kept;
+    for (size_t i = 0; i < r->n_views && r->views; i++) {
+        const sheen_align_view *v = &r->views[i];
+        const float gain[3] = {(float)v->gain[0], (float)v->gain[1], (float)v->gain[2]};
+        const double ev = log2((double)sheen_luminance(gain));
+        out->pose_moved_px += v->moved_px * v->moved_px / (double)r->n_views;
+        out->pose_sigma_px += v->sigma_px * v->sigma_px / (double)r->n_views;
+        least = fmin(least, ev);
+        most = fmax(most, ev);
+    }
+    out->pose_moved_px = sqrt(out->pose_moved_px);
+    out->pose_sigma_px = sqrt(out->pose_sigma_px);
+    out->exposure_range_ev = most > least ? most - least : 0;
+}
+
 static sheen_status summarize(sheen_fit_summary *out, const sheen_paper_fit *f, sheen_err *err)
 {
     *out = (sheen_fit_summary){.f0 = f->model.surroundings.present ? f->model.surroundings.f0 : (double)NAN,
@@ -65,6 +84,7 @@ static sheen_status summarize(sheen_fit_summary *out, const sheen_paper_fit *f, 
                                .objective = f->refined.objective,
                                .converged = f->refined.converged,
                                .n_turns = f->refined.n_turns};
+    summarize_align(out, &f->align);
     snprintf(out->method, sizeof out->method, "%s", f->model.method);
     memcpy(out->light_rgb, f->model.light_rgb, sizeof out->light_rgb);
     const sheen_texture *t = &f->model.texture;
@@ -90,6 +110,26 @@ void sheen_fit_summary_release(sheen_fit_summary *f)
     f->n_turns = 0;
 }
 
+// What was changed in each photograph, in their order by name.
+static void write_align(sheen_json_writer *w, const sheen_align_result *r)
+{
+    if (!r->poses_kept && !r->gains_kept)
+        return;
+    sheen_json_open(w, "photographs", '[');
+    for (size_t i = 0; i < r->n_views; i++) {
+        const sheen_align_view *v = &r->views[i];
+        sheen_json_open(w, NULL, '{');
+        if (r->poses_kept) {
+            sheen_json_put_number(w, "moved_px", v->moved_px);
+            sheen_json_put_number(w, "sigma_px", v->sigma_px);
+        }
+        if (r->gains_kept)
+            sheen_json_put_numbers(w, "gain", v->gain, 3);
+        sheen_json_close(w);
+    }
+    sheen_json_close(w);
+}
+
 // Members of model.json that tell how it came about.
 static void write_report(void *self, sheen_json_writer *w)
 {
@@ -109,6 +149,7 @@ static void write_report(void *self, sheen_json_writer *w)
     sheen_json_put_number(w, "sigma_err", r->sigma_err);
     sheen_json_put_number(w, "objective", r->objective);
     sheen_json_put_bool(w, "converged", r->converged);
+    write_align(w, &st->fit.align);
     sheen_json_open(w, "turns", '[');
     for (size_t i = 0; i < r->n_turns; i++) {
         const sheen_refine_turn *t = &r->turns[i];

@@ -17,7 +17,10 @@ typedef struct sheen_fit_summary {
         n_left; // hemisphere; reached by a mirror shot; kept by the check; lit at the end
     double sigma0_rad, sigma_rad, k_s, sigma_err, objective, light_rgb[3];
     int converged;
-    sheen_refine_turn *turns; // [n_turns] sigma, k_S, E and the nodes left, turn by turn
+    int poses_refined, exposures_refined; // by the photographs' agreement (align.h)
+    double pose_moved_px, pose_sigma_px;  // root mean squares over the photographs
+    double exposure_range_ev;             // between the brightest and the darkest
+    sheen_refine_turn *turns;             // [n_turns] sigma, k_S, E and the nodes left, turn by turn
     size_t n_turns;
 } sheen_fit_summary;
 

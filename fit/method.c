@@ -2,6 +2,7 @@
 // method.c - names of the methods, and the call that runs one.
 #include "fit/method.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "fit/refined.h"
@@ -23,6 +24,67 @@ sheen_status sheen_fit_method_from_name(sheen_fit_method *out, const char *name,
     return sheen_fail(err, SHEEN_EARG, "unknown method '%.40s': use 'paper' or 'refined'", name);
 }
 
+// Poses and exposures by what the photographs themselves agree on.
+static sheen_status align(sheen_align_result *out, const sheen_mesh *mesh, sheen_photos *photos,
+                          const sheen_paper_options *options, sheen_err *err)
+{
+    sheen_align_options o = {.poses = !options->keep_poses,
+                             .gains = !options->keep_exposures,
+                             .texels_per_edge = 2,
+                             .n_threads = options->n_threads,
+                             .progress = options->progress};
+    while (o.texels_per_edge < 12 &&
+           mesh->n_triangles * sheen_texels_per_triangle(o.texels_per_edge) < 150000)
+        o.texels_per_edge++;
+    *out = (sheen_align_result){0};
+    if (!o.poses && !o.gains)
+        return SHEEN_OK;
+    sheen_stopwatch watch = sheen_stopwatch_now();
+    sheen_scene *scene;
+    sheen_status s = sheen_scene_new(&scene, mesh, err);
+    if (!s)
+        s = sheen_align_photos(out, photos, mesh, scene, &o, err);
+    sheen_scene_free(&scene);
+    sheen_progress_timed(&options->progress, "poses and exposures", &watch);
+    return s;
+}
+
+static sheen_status fit_refined(sheen_paper_fit *out, const sheen_mesh *mesh, sheen_photos *photos,
+                                const sheen_paper_options *options, sheen_err *err)
+{
+    sheen_status s = sheen_paper_fit_make(out, mesh, photos, options, err);
+    if (!s && (s = sheen_refined_fit(out, mesh, photos, options, err)))
+        sheen_paper_fit_release(out);
+    return s;
+}
+
+static sheen_status fit_aligned(sheen_paper_fit *out, const sheen_mesh *mesh, sheen_photos *photos,
+                                const sheen_paper_options *options, sheen_err *err)
+{
+    sheen_align_result aligned;
+    sheen_image *taken = NULL;
+    *out = (sheen_paper_fit){0};
+    sheen_status s = align(&aligned, mesh, photos, options, err);
+    if (s)
+        return s;
+    if (aligned.gains_kept) {
+        taken = calloc(photos->count, sizeof *taken);
+        s = taken ? sheen_align_divide(taken, photos, &aligned, err)
+                  : sheen_fail_memory(err, 24.0 * (double)photos->count, "pictures");
+    }
+    if (!s) {
+        s = fit_refined(out, mesh, photos, options, err);
+        if (taken)
+            sheen_align_give_back(photos, taken);
+    }
+    free(taken);
+    if (s)
+        sheen_align_result_release(&aligned);
+    else
+        out->align = aligned;
+    return s;
+}
+
 sheen_status sheen_fit_make(sheen_paper_fit *out, sheen_fit_method method, sheen_moving moving,
                             const sheen_mesh *mesh, sheen_photos *photos, const sheen_paper_options *options,
                             sheen_err *err)
@@ -33,10 +95,6 @@ sheen_status sheen_fit_make(sheen_paper_fit *out, sheen_fit_method method, sheen
                           "the refined method wants a camera that moved about an object that stood "
                           "still: use --method paper");
     }
-    sheen_status s = sheen_paper_fit_make(out, mesh, photos, options, err);
-    if (s || method == SHEEN_FIT_PAPER)
-        return s;
-    if ((s = sheen_refined_fit(out, mesh, photos, options, err)))
-        sheen_paper_fit_release(out);
-    return s;
+    return method == SHEEN_FIT_PAPER ? sheen_paper_fit_make(out, mesh, photos, options, err)
+                                     : fit_aligned(out, mesh, photos, options, err);
 }

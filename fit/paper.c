@@ -241,6 +241,7 @@ void sheen_paper_fit_release(sheen_paper_fit *f)
     sheen_geodesic_release(&f->geodesic);
     sheen_hemisphere_release(&f->combined);
     sheen_refine_result_release(&f->refined);
+    sheen_align_result_release(&f->align);
     sheen_model_release(&f->model);
     *f = (sheen_paper_fit){0};
 }

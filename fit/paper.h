@@ -3,6 +3,9 @@
 #ifndef SHEEN_FIT_PAPER_H
 #define SHEEN_FIT_PAPER_H
 
+#include <stdbool.h>
+
+#include "fit/align.h"
 #include "fit/hemisphere.h"
 #include "fit/photos.h"
 #include "fit/refine.h"
@@ -17,7 +20,8 @@ typedef struct sheen_paper_options {
     double sigma0_rad;    // where sigma starts; 0: from the hemisphere
     size_t max_samples;   // 0: 30000
     sheen_loss loss;
-    int n_threads; // 0: one a processor
+    bool keep_poses, keep_exposures; // 1: the refined method takes them as they are given
+    int n_threads;                  // 0: one a processor
     sheen_progress progress;
 } sheen_paper_options;
 
@@ -33,6 +37,7 @@ typedef struct sheen_paper_fit {
     sheen_refine_result refined;
     size_t n_views, n_samples;
     double threshold_lin, sigma0_rad;
+    sheen_align_result align; // the refined method's; views NULL: nothing was aligned
 } sheen_paper_fit;
 
 // Two photographs or more (with one there is nothing to separate). EDATA, with what to do: fewer; a mesh that no photograph

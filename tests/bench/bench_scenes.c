@@ -6,6 +6,7 @@
 // Columns: sigma's error; lights found of six; worst direction (minutes of arc), distance and strength of those; PSNR of the
 // specular layer (linear) and of a black one; PSNR of the composite (sRGB), of the model's diffuse layer under the true
 // specular one, and of the model's specular layer over the true diffuse one. Processor seconds of the fit end the row.
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,7 +38,28 @@ static void save(const arguments *a, const char *name, const sheen_image *image)
     assert_ok(sheen_png_write_srgb(path, image, &err), err);
 }
 
-static void fit_scene(const arguments *a, const exact_scene *s, const char *label, sheen_fit_method method)
+// Root mean square over the photographs.
+static double pose_error_px(const exact_scene *s, const sheen_photos *inputs)
+{
+    double sum = 0;
+    for (size_t i = 0; i < inputs->count; i++)
+        sum += pow(exact_pose_error_px(s, inputs->photos[i].rt_cam_obj, s->rt_cam_obj[i]), 2);
+    return sqrt(sum / (double)inputs->count);
+}
+
+// The worst of all channels.
+static double exposure_error_ev(const exact_scene *s, const sheen_align_result *align)
+{
+    double worst = 0;
+    for (size_t i = 0; i < s->inputs.count; i++)
+        for (int c = 0; c < 3; c++) {
+            const double gain = align->views ? align->views[i].gain[c] : 1;
+            worst = fmax(worst, fabs(log2(gain / s->gain[i][c])));
+        }
+    return worst;
+}
+
+static void fit_scene(const exact_scene *s, const char *label, sheen_fit_method method)
 {
     sheen_paper_fit f;
     sheen_err err;
@@ -49,16 +71,17 @@ static void fit_scene(const arguments *a, const exact_scene *s, const char *labe
     memcpy(inputs.photos, s->inputs.photos, inputs.count * sizeof *inputs.photos);
     const double start_s = cpu_s();
     const sheen_status status = sheen_fit_make(&f, method, SHEEN_MOVING_CAMERA, &s->mesh, &inputs, &o, &err);
-    free(inputs.photos);
     if (status) {
         printf("%-22s %-9s %s\n", label, sheen_fit_method_name(method), err.msg);
+        free(inputs.photos);
         return;
     }
     const double fit_s = cpu_s() - start_s;
     exact_score_model(&score, s, &f.model);
     exact_score_print(stdout, label, sheen_fit_method_name(method), &score);
-    printf("%60s %zu lights, %.1f CPU s\n", "", f.model.lights.count, fit_s);
-    (void)a;
+    printf("%40s poses off by %.2f px, exposures by %.3f EV; %zu lights, %.1f CPU s\n", "",
+           pose_error_px(s, &inputs), exposure_error_ev(s, &f.align), f.model.lights.count, fit_s);
+    free(inputs.photos);
     sheen_paper_fit_release(&f);
 }
 
@@ -78,7 +101,7 @@ static void run_scene(const arguments *a, const char *name, int seed)
         save(a, label, &s.inputs.photos[0].image);
     for (int m = 0; m < SHEEN_FIT_METHOD_COUNT; m++)
         if (!a->method || !strcmp(a->method, sheen_fit_method_name((sheen_fit_method)m)))
-            fit_scene(a, &s, label, (sheen_fit_method)m);
+            fit_scene(&s, label, (sheen_fit_method)m);
     exact_scene_release(&s);
 }
 
