@@ -7,7 +7,7 @@
 #include "cli/stages.h"
 
 typedef struct eval_args {
-    const char *transfer;
+    const char *transfer, *method;
     sheen_evaluate_session_options o;
 } eval_args;
 
@@ -16,6 +16,8 @@ static sheen_status parse(sheen_cli *cli, eval_args *a, sheen_err *err)
     const sheen_option options[] = {
         {"holdout", 0, SHEEN_OPTION_INT, &a->o.n_folds, "K",
          "fit K times, each time without every K-th input frame,\nand score on those", 2, 1000},
+        {"method", 0, SHEEN_OPTION_TEXT, &a->method, "NAME",
+         "of --holdout: paper or refined, as in 'sheen fit'", 0, 0},
         {"against", 0, SHEEN_OPTION_TEXT, &a->o.against_dir, "DIR",
          "score on the pictures <pose's name>.* in this folder", 0, 0},
         {"poses", 0, SHEEN_OPTION_TEXT, &a->o.poses_path, "FILE",
@@ -32,7 +34,12 @@ static sheen_status parse(sheen_cli *cli, eval_args *a, sheen_err *err)
         return sheen_cli_usage(cli, err, "'--against' and '--poses' go together");
     if (a->o.against_dir && a->o.n_folds)
         return sheen_cli_usage(cli, err, "'--holdout' and '--against' exclude each other");
-    if (a->transfer)
+    if (a->method && !a->o.n_folds)
+        return sheen_cli_usage(cli, err,
+                               "'--method' is of '--holdout': otherwise the model is scored as it is");
+    if (a->method)
+        s = sheen_fit_method_from_name(&a->o.method, a->method, err);
+    if (!s && a->transfer)
         s = sheen_transfer_from_name(&a->o.transfer, a->transfer, err);
     return sheen_cli_option_status(cli, s);
 }
