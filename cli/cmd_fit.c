@@ -7,10 +7,12 @@
 #include "cli/cli.h"
 #include "cli/commands.h"
 #include "cli/stages.h"
+#include "fit/evaluate_session.h"
+#include "fit/fit_report.h"
 #include "fit/fit_session.h"
 
 typedef struct fit_args {
-    const char *method, *loss;
+    const char *method, *loss, *report;
     sheen_fit_method chosen;
     double sigma0_deg;
     int max_samples;
@@ -37,6 +39,8 @@ static sheen_status parse(sheen_cli *cli, fit_args *a, sheen_err *err)
          1e8},
         {"loss", 0, SHEEN_OPTION_TEXT, &a->loss, "NAME",
          "lorentzian (default) or quartic: equations 10 and 11\nto the letter", 0, 0},
+        {"report", 0, SHEEN_OPTION_TEXT, &a->report, "FILE",
+         "write what was found, how sure it is, and the pictures as\none HTML file", 0, 0},
         {"keep-poses", 0, SHEEN_OPTION_FLAG, &a->o.keep_poses, NULL,
          "refined: take the poses as they are (default: made to\nagree on the surface)", 0, 0},
         {"keep-exposures", 0, SHEEN_OPTION_FLAG, &a->o.keep_exposures, NULL,
@@ -82,6 +86,16 @@ static void put_turns(sheen_cli *cli, const sheen_fit_summary *f)
     sheen_json_close(&cli->out);
 }
 
+static void put_certainty(sheen_cli *cli, const sheen_certainty *c)
+{
+    sheen_json_put_number(&cli->out, "sigma_share", c->sigma_share);
+    sheen_json_put_number(&cli->out, "k_s_share", c->k_s_share);
+    sheen_json_open(&cli->out, "not_determined", '[');
+    for (size_t i = 0; i < c->n_sentences; i++)
+        sheen_json_put_string(&cli->out, NULL, c->sentences[i]);
+    sheen_json_close(&cli->out);
+}
+
 void sheen_cli_say_fit(sheen_cli *cli, const sheen_fit_summary *f)
 {
     sheen_cli_say(cli, "%zu photographs, %zu samples; %.1f %% of the surface was seen", f->n_views,
@@ -100,6 +114,9 @@ void sheen_cli_say_fit(sheen_cli *cli, const sheen_fit_summary *f)
     if (!isnan(f->f0))
         sheen_cli_say(cli, "surroundings: reflectance %.3f at normal incidence, with the mesh's own shadows",
                       f->f0);
+    for (size_t i = 0; i < f->certainty.n_sentences; i++)
+        sheen_cli_say(cli, "note: %s", f->certainty.sentences[i]);
+    put_certainty(cli, &f->certainty);
     sheen_json_put_string(&cli->out, "method", f->method);
     sheen_json_put_number(&cli->out, "f0", f->f0);
     sheen_json_put_int(&cli->out, "photographs", (long long)f->n_views);
@@ -124,6 +141,28 @@ void sheen_cli_say_fit(sheen_cli *cli, const sheen_fit_summary *f)
     sheen_json_put_numbers(&cli->out, "light_rgb", f->light_rgb, 3);
 }
 
+// With the scores on the session's test frames where it has some.
+static sheen_status write_report(sheen_cli *cli, const fit_args *a, const sheen_session *s,
+                                 const sheen_fit_summary *summary, sheen_err *err)
+{
+    sheen_fit_timing timings[SHEEN_CLI_MAX_TIMINGS];
+    sheen_evaluation e = {0};
+    const sheen_evaluate_session_options eo = {
+        .fit = {.n_threads = a->o.n_threads, .progress = a->o.progress}};
+    sheen_fit_report r = {.session = s, .summary = summary, .timings = timings, .n_timings = cli->n_times};
+    for (size_t i = 0; i < cli->n_times; i++)
+        timings[i] = (sheen_fit_timing){cli->times[i].what, cli->times[i].wall_s, cli->times[i].cpu_s};
+    sheen_status st = SHEEN_OK;
+    if (sheen_session_count_role(s, SHEEN_ROLE_TEST)) {
+        if ((st = sheen_evaluate_session(&e, s, &eo, err)))
+            return st;
+        r.evaluation = &e;
+    }
+    st = sheen_fit_report_write(a->report, &r, err);
+    sheen_evaluation_release(&e);
+    return st;
+}
+
 static sheen_status run(sheen_cli *cli, sheen_err *err)
 {
     fit_args a = {0};
@@ -137,6 +176,8 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
     if (st)
         return st;
     st = sheen_fit_session(&summary, &s, a.chosen, &a.o, err);
+    if (!st && a.report)
+        st = write_report(cli, &a, &s, &summary, err);
     sheen_cli_clear_bar(cli);
     if (!st)
         sheen_cli_say_fit(cli, &summary);

@@ -17,7 +17,8 @@ enum { LEAST_POINTS = 300 };
 
 static const double spacing_px[3] = {1.6, 0.8, 0.45}; // of the Gaussian's taps, coarse to fine
 static const int rounds[3] = {5, 4, 5};
-static const double worth = 0.98;
+// What is refined must lower the disagreement to this share. Gains more so: what all views mirror differently looks like them.
+static const double worth_poses = 0.98, worth_gains = 0.9;
 
 // Robust scale on the points that were left out, finely sampled.
 static sheen_status left_out(sheen_align_state *st, double *error, sheen_err *err)
@@ -113,9 +114,9 @@ static void hand_out(sheen_photos *photos, const sheen_align_result *r, const sh
         sheen_rt_from_Rt(photos->photos[v].rt_cam_obj, &st->views[v].Rt_cam_obj);
 }
 
-// Keeps what `st` holds where it predicts the points left out better than `before` did, by 2 %; else goes back.
+// Keeps what `st` holds where it lowers the disagreement of the points left out to `worth` of it; else goes back.
 static sheen_status decide(int *kept, double *error, sheen_align_state *st, const sheen_align_pose *before,
-                           sheen_err *err)
+                           double worth, sheen_err *err)
 {
     double now;
     const sheen_status s = left_out(st, &now, err);
@@ -138,7 +139,7 @@ static sheen_status reconsider_gains(sheen_align_result *out, sheen_align_state 
     for (size_t v = 0; v < st->n_views; v++)
         memset(st->views[v].log_gain, 0, sizeof st->views[v].log_gain);
     const sheen_status s = left_out(st, &without, err);
-    out->gains_kept = out->error_after < worth * without;
+    out->gains_kept = out->error_after < worth_gains * without;
     if (out->gains_kept)
         memcpy(st->views, with, st->n_views * sizeof *with);
     else
@@ -155,12 +156,12 @@ static sheen_status refine(sheen_align_result *out, sheen_align_state *st, sheen
     if (!s && st->o->gains) {
         memcpy(before, st->views, size);
         if (!(s = refine_gains(st, 0, 6, err)) && !(s = refine_gains(st, 2, 3, err)))
-            s = decide(&out->gains_kept, &out->error_after, st, before, err);
+            s = decide(&out->gains_kept, &out->error_after, st, before, worth_gains, err);
     }
     if (!s && st->o->poses) {
         memcpy(before, st->views, size);
         if (!(s = refine_poses(st, out->gains_kept, err)))
-            s = decide(&out->poses_kept, &out->error_after, st, before, err);
+            s = decide(&out->poses_kept, &out->error_after, st, before, worth_poses, err);
     }
     return !s && out->gains_kept && out->poses_kept ? reconsider_gains(out, st, before, err) : s;
 }

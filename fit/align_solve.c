@@ -53,7 +53,7 @@ static void add_point(sheen_align_state *st, size_t i, double (*J)[6], double *w
 sheen_status sheen_align_equations(sheen_align_state *st, sheen_err *err)
 {
     const size_t N = 6 * st->n_views;
-    double(*J)[6] = malloc(st->n_views * sizeof *J), *w = malloc(st->n_views * sizeof *w);
+    double(*J)[6] = calloc(st->n_views, sizeof *J), *w = calloc(st->n_views, sizeof *w);
     sheen_status s = SHEEN_OK;
     memset(st->A, 0, N * N * sizeof *st->A);
     memset(st->b, 0, N * sizeof *st->b);
@@ -114,40 +114,52 @@ sheen_status sheen_align_move(sheen_align_state *st, double *step_px, sheen_err 
     return SHEEN_OK;
 }
 
-// Gains of one channel given D's elimination: linear least squares for the logarithms' change.
+// z: a point's light in one photograph by the present gain; its weight; the same without what is predicted.
+typedef struct lit_point {
+    double z, weight, rest;
+} lit_point;
+
+static lit_point lit_at(const sheen_align_state *st, size_t view, size_t i, int c)
+{
+    const sheen_align_observation *o = sheen_align_at(st, view, i);
+    if (!o->valid)
+        return (lit_point){0, 0, 0};
+    const double z = (double)o->rgb[c] * exp(-st->views[view].log_gain[c]);
+    const double predicted = (double)st->points->predicted[3 * (view * st->n_points + i) + (size_t)c];
+    return (lit_point){z, (double)o->weight / (st->scale * st->scale), z - predicted};
+}
+
+// A point's part of the normal equations of one channel's gains, its D eliminated.
+static void add_gains(sheen_align_state *st, size_t i, int c)
+{
+    const size_t N = st->n_views;
+    double total = 0, mean = 0;
+    for (size_t v = 0; v < N; v++) {
+        const lit_point p = lit_at(st, v, i, c);
+        total += p.weight;
+        mean += p.weight * p.rest;
+    }
+    for (size_t v = 0; v < N && total > 0; v++) {
+        const lit_point p = lit_at(st, v, i, c);
+        if (!(p.weight > 0))
+            continue;
+        st->b[v] += p.weight * p.z * (p.rest - mean / total);
+        st->A[v * (N + 1)] += p.weight * p.z * p.z;
+        for (size_t u = 0; u <= v; u++) {
+            const lit_point q = lit_at(st, u, i, c);
+            st->A[v * N + u] -= p.weight * q.weight / total * p.z * q.z;
+        }
+    }
+}
+
+// Gains of one channel: linear least squares for the logarithms' change.
 static int solve_channel(sheen_align_state *st, int c)
 {
     const size_t N = st->n_views;
     memset(st->A, 0, N * N * sizeof *st->A);
     memset(st->b, 0, N * sizeof *st->b);
-    for (size_t i = (size_t)st->parity; i < st->n_points; i += 2) {
-        double total = 0, mean = 0;
-        for (size_t v = 0; v < N; v++) {
-            const sheen_align_observation *o = sheen_align_at(st, v, i);
-            const double w = o->valid ? (double)o->weight / (st->scale * st->scale) : 0;
-            const double z = (double)o->rgb[c] * exp(-st->views[v].log_gain[c]);
-            total += w;
-            mean += w > 0 ? w * (z - (double)st->points->predicted[3 * (v * st->n_points + i) + (size_t)c])
-                          : 0;
-        }
-        for (size_t v = 0; v < N && total > 0; v++) {
-            const sheen_align_observation *o = sheen_align_at(st, v, i);
-            if (!o->valid)
-                continue;
-            const double w = (double)o->weight / (st->scale * st->scale);
-            const double z = (double)o->rgb[c] * exp(-st->views[v].log_gain[c]);
-            const double r = z - (double)st->points->predicted[3 * (v * st->n_points + i) + (size_t)c] -
-                             mean / total;
-            st->b[v] += w * z * r;
-            st->A[v * (N + 1)] += w * z * z;
-            for (size_t u = 0; u <= v; u++) {
-                const sheen_align_observation *p = sheen_align_at(st, u, i);
-                if (p->valid)
-                    st->A[v * N + u] -= w * (double)p->weight / (st->scale * st->scale) / total * z *
-                                        (double)p->rgb[c] * exp(-st->views[u].log_gain[c]);
-            }
-        }
-    }
+    for (size_t i = (size_t)st->parity; i < st->n_points; i += 2)
+        add_gains(st, i, c);
     // Their sum is held at 0: darkening all photographs together would lower every residual
     const double p = 1 / (st->prior_ev * log(2));
     double trace = 0;

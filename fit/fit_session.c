@@ -106,6 +106,7 @@ static sheen_status summarize(sheen_fit_summary *out, const sheen_paper_fit *f, 
 void sheen_fit_summary_release(sheen_fit_summary *f)
 {
     free(f->turns);
+    sheen_certainty_release(&f->certainty);
     f->turns = NULL;
     f->n_turns = 0;
 }
@@ -130,6 +131,36 @@ static void write_align(sheen_json_writer *w, const sheen_align_result *r)
     sheen_json_close(w);
 }
 
+static void write_certainty(sheen_json_writer *w, const sheen_certainty *c)
+{
+    sheen_json_open(w, "certainty", '{');
+    sheen_json_put_number(w, "sigma_share", c->sigma_share);
+    sheen_json_put_number(w, "k_s_share", c->k_s_share);
+    sheen_json_put_number(w, "unseen_share", c->unseen_share);
+    sheen_json_put_number(w, "once_share", c->once_share);
+    sheen_json_open(w, "lamps", '[');
+    for (size_t i = 0; i < c->n_lamps; i++) {
+        const sheen_lamp_certainty *l = &c->lamps[i];
+        sheen_json_open(w, NULL, '{');
+        sheen_json_put_numbers(w, "v_world", l->v_world, 3);
+        sheen_json_put_number(w, "strength", l->strength);
+        sheen_json_put_int(w, "n_views", (long long)l->n_views);
+        sheen_json_put_number(w, "strength_share", l->strength_share);
+        sheen_json_put_number(w, "direction_rad", l->direction_rad);
+        sheen_json_close(w);
+    }
+    sheen_json_close(w);
+    if (c->advised) {
+        const double advice_deg[2] = {c->advice_azimuth_deg, c->advice_elevation_deg};
+        sheen_json_put_numbers(w, "next_viewpoint_deg", advice_deg, 2);
+    }
+    sheen_json_open(w, "not_determined", '[');
+    for (size_t i = 0; i < c->n_sentences; i++)
+        sheen_json_put_string(w, NULL, c->sentences[i]);
+    sheen_json_close(w);
+    sheen_json_close(w);
+}
+
 // Members of model.json that tell how it came about.
 static void write_report(void *self, sheen_json_writer *w)
 {
@@ -150,6 +181,7 @@ static void write_report(void *self, sheen_json_writer *w)
     sheen_json_put_number(w, "objective", r->objective);
     sheen_json_put_bool(w, "converged", r->converged);
     write_align(w, &st->fit.align);
+    write_certainty(w, &r->certainty);
     sheen_json_open(w, "turns", '[');
     for (size_t i = 0; i < r->n_turns; i++) {
         const sheen_refine_turn *t = &r->turns[i];
@@ -200,6 +232,12 @@ sheen_status sheen_fit_session(sheen_fit_summary *out, const sheen_session *s, s
     if ((status = summarize(out, &st.fit, err)))
         goto done;
     watch = sheen_stopwatch_now();
+    if ((status = sheen_certainty_find(&out->certainty, &st.fit, &st.fit.model.mesh, &st.photos, s->moving,
+                                       err))) {
+        sheen_fit_summary_release(out);
+        goto done;
+    }
+    sheen_progress_timed(&options->progress, "how sure it is", &watch);
     if ((status = save(&st, err)))
         sheen_fit_summary_release(out);
     sheen_progress_timed(&options->progress, "writing the model", &watch);

@@ -4,6 +4,7 @@
 #define SHEEN_FIT_FIT_SESSION_H
 
 #include "base/session.h"
+#include "fit/certainty.h"
 #include "fit/method.h"
 
 // What the paper reports, and what a person asks.
@@ -20,7 +21,8 @@ typedef struct sheen_fit_summary {
     int poses_refined, exposures_refined; // by the photographs' agreement (align.h)
     double pose_moved_px, pose_sigma_px;  // root mean squares over the photographs
     double exposure_range_ev;             // between the brightest and the darkest
-    sheen_refine_turn *turns;             // [n_turns] sigma, k_S, E and the nodes left, turn by turn
+    sheen_certainty certainty;
+    sheen_refine_turn *turns; // [n_turns] sigma, k_S, E and the nodes left, turn by turn
     size_t n_turns;
 } sheen_fit_summary;
 

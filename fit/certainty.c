@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: Apache-2.0
+// certainty.c - groups lights into lamps, and inverts the normal matrix of sigma, strengths and directions.
+#include "fit/certainty.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/vec.h"
+#include "calib/cholesky.h"
+#include "fit/certainty_view.h"
+#include "fit/robust.h"
+
+enum { MOST_LAMPS = 48, PIXELS = 60000 };
+
+static const double shown_share = 0.3; // of a lamp's brightest pixel: then a photograph shows its highlight
+
+typedef struct lamp {
+    double v_world[3], strength, across[2][3], radius_rad; // radius: of its lights about its middle
+    size_t n_lights;
+} lamp;
+
+typedef struct work {
+    const sheen_paper_fit *f;
+    const sheen_model *m;
+    uint32_t *lamp_of; // [lights.count] index of lamp; UINT32_MAX: none
+    lamp *lamps;
+    size_t n_lamps, step;
+    double *A, *J, scale; // (1 + 3 n_lamps) squared; one row
+} work;
+
+static float angle_between(const sheen_lights *l, size_t a, const double v[3])
+{
+    const double d[3] = {(double)l->dx[a], (double)l->dy[a], (double)l->dz[a]};
+    return (float)acos(fmax(-1, fmin(1, sheen_dot(d, v))));
+}
+
+// Brightest light first, then all that are within a lobe's width of it and not yet taken; and again.
+static void group(work *w)
+{
+    const sheen_lights *l = &w->m->lights;
+    const double reach_rad = fmax(3 * w->m->sigma_rad, 0.05);
+    memset(w->lamp_of, 0xff, l->count * sizeof *w->lamp_of);
+    while (w->n_lamps < MOST_LAMPS) {
+        size_t best = SIZE_MAX;
+        for (size_t i = 0; i < l->count; i++)
+            if (w->lamp_of[i] == UINT32_MAX && (best == SIZE_MAX || l->weight[i] > l->weight[best]))
+                best = i;
+        if (best == SIZE_MAX || !(l->weight[best] > 0))
+            return;
+        lamp *g = &w->lamps[w->n_lamps];
+        const double v[3] = {(double)l->dx[best], (double)l->dy[best], (double)l->dz[best]};
+        for (size_t i = 0; i < l->count; i++) {
+            if (w->lamp_of[i] != UINT32_MAX || !((double)angle_between(l, i, v) < reach_rad))
+                continue;
+            const double d[3] = {(double)l->dx[i], (double)l->dy[i], (double)l->dz[i]};
+            w->lamp_of[i] = (uint32_t)w->n_lamps;
+            g->strength += w->m->k_s * (double)l->weight[i];
+            g->n_lights++;
+            for (int k = 0; k < 3; k++)
+                g->v_world[k] += (double)l->weight[i] * d[k];
+        }
+        sheen_normalize(g->v_world);
+        const double any[3] = {fabs(g->v_world[0]) < 0.7, fabs(g->v_world[0]) >= 0.7, 0};
+        sheen_cross(g->across[0], g->v_world, any);
+        sheen_normalize(g->across[0]);
+        sheen_cross(g->across[1], g->v_world, g->across[0]);
+        w->n_lamps++;
+    }
+}
+
+static int brighter(const void *a, const void *b)
+{
+    const sheen_lamp_certainty *x = a, *y = b;
+    return (x->strength < y->strength) - (x->strength > y->strength);
+}
+
+static void measure_radii(work *w)
+{
+    for (size_t i = 0; i < w->m->lights.count; i++)
+        if (w->lamp_of[i] != UINT32_MAX) {
+            lamp *g = &w->lamps[w->lamp_of[i]];
+            g->radius_rad = fmax(g->radius_rad, (double)angle_between(&w->m->lights, i, g->v_world));
+        }
+}
+
+// Light of one lamp at a pixel, its lights moved by a small angle along `shift` (NULL: not), at another sigma.
+static double lamp_light(const work *w, size_t i_lamp, const sheen_residual_pixel *p, const double *shift,
+                         double sigma_rad)
+{
+    const sheen_lights *l = &w->m->lights;
+    const double k = -0.5 / (sigma_rad * sigma_rad);
+    double sum = 0;
+    for (size_t i = 0; i < l->count; i++) {
+        if (w->lamp_of[i] != i_lamp)
+            continue;
+        float v[3] = {l->dx[i], l->dy[i], l->dz[i]};
+        for (int c = 0; c < 3 && shift; c++)
+            v[c] += (float)shift[c];
+        sheen_normalizef(v);
+        const double a2 = (double)sheen_lobe_alpha2(p->n_world, p->v_world, v);
+        if (a2 < 25 * sigma_rad * sigma_rad)
+            sum += (double)l->weight[i] * exp(a2 * k);
+    }
+    return sum * w->m->k_s * (double)sheen_lobe_inverse_cos(p->n_world, p->v_world);
+}
+
+// Fills the row of the Jacobian: sigma (relative), then strength (relative) and two angles a lamp. Returns the light.
+static double linearize(work *w, const sheen_residual_pixel *p, double (*peak)[MOST_LAMPS], size_t view)
+{
+    const size_t N = 1 + 3 * w->n_lamps;
+    const double s = w->m->sigma_rad, h = 0.05 * s;
+    float mirror[3];
+    double total = 0;
+    memset(w->J, 0, N * sizeof *w->J);
+    sheen_mirrorf(mirror, p->n_world, p->v_world);
+    const double r[3] = {(double)mirror[0], (double)mirror[1], (double)mirror[2]};
+    for (size_t i = 0; i < w->n_lamps; i++) {
+        const lamp *g = &w->lamps[i];
+        if (sheen_dot(r, g->v_world) < cos(fmin(3.1, g->radius_rad + 8 * s)))
+            continue;
+        const double light = lamp_light(w, i, p, NULL, s);
+        if (!(light > 1e-4))
+            continue;
+        double shift[3];
+        total += light;
+        peak[view][i] = fmax(peak[view][i], light / (double)sheen_lobe_inverse_cos(p->n_world, p->v_world));
+        w->J[0] += (lamp_light(w, i, p, NULL, 1.02 * s) - lamp_light(w, i, p, NULL, s / 1.02)) /
+                   (2 * log(1.02));
+        w->J[1 + 3 * i] = light;
+        for (int a = 0; a < 2; a++) {
+            for (int c = 0; c < 3; c++)
+                shift[c] = h * g->across[a][c];
+            w->J[2 + 3 * i + (size_t)a] = (lamp_light(w, i, p, shift, s) - light) / h;
+        }
+    }
+    return total;
+}
+
+static void add_row(work *w, double residual)
+{
+    const size_t N = 1 + 3 * w->n_lamps;
+    const double weight = (double)w->step * sheen_loss_weight(SHEEN_LOSS_LORENTZIAN, residual, w->scale) /
+                          (w->scale * w->scale);
+    for (size_t a = 0; a < N; a++)
+        for (size_t b = 0; b <= a && w->J[a] != 0; b++)
+            w->A[a * N + b] += weight * w->J[a] * w->J[b];
+}
+
+static void add_pixels(work *w, double (*peak)[MOST_LAMPS])
+{
+    size_t n = 0;
+    for (size_t v = 0; v < w->f->n_views; v++)
+        n += w->f->residuals[v].count;
+    w->step = 1 + n / PIXELS;
+    for (size_t v = 0; v < w->f->n_views; v++)
+        for (size_t i = 0; i < w->f->residuals[v].count; i += w->step) {
+            const sheen_residual_pixel *p = &w->f->residuals[v].pixels[i];
+            const double light = linearize(w, p, peak, v);
+            if (light > 0)
+                add_row(w, (double)sheen_luminance(p->rgb) - light);
+        }
+}
+
+static void say(sheen_certainty *c, const char *fmt, ...) SHEEN_PRINTF(2, 3);
+static void say(sheen_certainty *c, const char *fmt, ...)
+{
+    if (c->n_sentences == SHEEN_CERTAINTY_SENTENCES)
+        return;
+    va_list args;
+    va_start(args, fmt);
+    vsnprintf(c->sentences[c->n_sentences++], SHEEN_CERTAINTY_SENTENCE_BYTES, fmt, args);
+    va_end(args);
+}
+
+// The figures from the inverse of the normal matrix; what has no information has no figure.
+static void invert(sheen_certainty *c, work *w)
+{
+    const size_t N = 1 + 3 * w->n_lamps;
+    double *inverse = malloc(N * N * sizeof *inverse);
+    for (size_t a = 0; a < N; a++)
+        w->A[a * (N + 1)] += 1e-6; // nothing at all is known of a lamp that no pixel shows
+    const int known = inverse && sheen_cholesky(w->A, (int)N);
+    c->sigma_share = c->k_s_share = (double)NAN;
+    if (known) {
+        double total = 0, variance = 0;
+        sheen_cholesky_invert(inverse, w->A, (int)N);
+        c->sigma_share = sqrt(inverse[0]);
+        for (size_t i = 0; i < w->n_lamps; i++) {
+            total += w->lamps[i].strength;
+            for (size_t k = 0; k < w->n_lamps; k++)
+                variance += inverse[(1 + 3 * i) * N + 1 + 3 * k] * w->lamps[i].strength *
+                            w->lamps[k].strength;
+        }
+        c->k_s_share = sqrt(fmax(0, variance)) / total;
+    }
+    for (size_t i = 0; i < w->n_lamps; i++) {
+        sheen_lamp_certainty *o = &c->lamps[i];
+        const size_t a = 1 + 3 * i;
+        memcpy(o->v_world, w->lamps[i].v_world, sizeof o->v_world);
+        o->strength = w->lamps[i].strength;
+        o->n_lights = w->lamps[i].n_lights;
+        o->strength_share = known ? sqrt(inverse[a * (N + 1)]) : (double)NAN;
+        o->direction_rad = known ? sqrt((inverse[(a + 1) * (N + 1)] + inverse[(a + 2) * (N + 1)]) / 2)
+                                 : (double)NAN;
+    }
+    free(inverse);
+}
+
+static void count_views(sheen_certainty *c, double (*peak)[MOST_LAMPS], size_t n_views)
+{
+    for (size_t i = 0; i < c->n_lamps; i++) {
+        double most = 0;
+        for (size_t v = 0; v < n_views; v++)
+            most = fmax(most, peak[v][i]);
+        for (size_t v = 0; v < n_views; v++)
+            c->lamps[i].n_views += peak[v][i] > shown_share * most;
+    }
+}
+
+static void count_texels(sheen_certainty *c, const sheen_texture *t)
+{
+    const size_t n = t->n_triangles * sheen_texels_per_triangle(t->texels_per_edge);
+    for (size_t i = 0; i < n; i++) {
+        c->unseen_share += !t->n_views[i];
+        c->once_share += t->n_views[i] == 1;
+    }
+    c->unseen_share /= n ? (double)n : 1;
+    c->once_share /= n ? (double)n : 1;
+}
+
+static double azimuth_deg(const double v[3])
+{
+    const double a = atan2(v[1], v[0]) * 57.29577951308232;
+    return a < 0 ? a + 360 : a;
+}
+
+static void put_in_words(sheen_certainty *c)
+{
+    double total = 0;
+    for (size_t i = 0; i < c->n_lamps; i++)
+        total += c->lamps[i].strength;
+    for (size_t i = 0; i < c->n_lamps && c->n_sentences < 4; i++) {
+        const sheen_lamp_certainty *l = &c->lamps[i];
+        if (l->strength > 0.03 * total && l->n_views < 2)
+            say(c,
+                "the highlight of the light at azimuth %.0f, elevation %.0f degrees was seen in %s: "
+                "roughness and "
+                "size of the light cannot be told apart, nor can its distance be known",
+                azimuth_deg(l->v_world), asin(fmax(-1, fmin(1, l->v_world[2]))) * 57.29577951308232,
+                l->n_views ? "one photograph only" : "no photograph in full");
+    }
+    if (!(c->sigma_share < 0.1))
+        say(c, "the roughness is known to %.0f %% only: few pixels lie on the flanks of highlights",
+            fmin(999, 100 * c->sigma_share));
+    if (c->unseen_share > 0.02)
+        say(c, "%.0f %% of the surface was seen by no photograph and has no colour", 100 * c->unseen_share);
+    if (c->once_share > 0.05)
+        say(c,
+            "%.0f %% of the surface was seen by one photograph only: a highlight there stays in the texture",
+            100 * c->once_share);
+    if (c->advised)
+        say(c, "a further photograph from azimuth %.0f, elevation %.0f degrees would help most",
+            c->advice_azimuth_deg, c->advice_elevation_deg);
+}
+
+sheen_status sheen_certainty_find(sheen_certainty *out, const sheen_paper_fit *f, const sheen_mesh *mesh,
+                                  const sheen_photos *photos, sheen_moving moving, sheen_err *err)
+{
+    *out = (sheen_certainty){0};
+    work w = {.f = f, .m = &f->model, .scale = fmax(0.0015, f->refined.sigma_err)};
+    enum { MOST = 1 + 3 * MOST_LAMPS };
+    double(*peak)[MOST_LAMPS] = calloc(f->n_views + 1, sizeof *peak);
+    w.lamp_of = malloc((f->model.lights.count + 1) * sizeof *w.lamp_of);
+    w.lamps = calloc(MOST_LAMPS, sizeof *w.lamps);
+    w.A = calloc((size_t)MOST * MOST, sizeof *w.A);
+    w.J = calloc(MOST, sizeof *w.J);
+    out->lamps = calloc(MOST_LAMPS, sizeof *out->lamps);
+    sheen_status s = SHEEN_OK;
+    if (!peak || !w.lamp_of || !w.lamps || !w.A || !w.J || !out->lamps) {
+        s = sheen_fail_memory(err, 8.0 * MOST * MOST, "uncertainties");
+        goto done;
+    }
+    group(&w);
+    measure_radii(&w);
+    add_pixels(&w, peak);
+    invert(out, &w);
+    out->n_lamps = w.n_lamps;
+    count_views(out, peak, f->n_views);
+    qsort(out->lamps, out->n_lamps, sizeof *out->lamps, brighter);
+    count_texels(out, &f->model.texture);
+    if (moving == SHEEN_MOVING_CAMERA)
+        s = sheen_certainty_advise(out, &f->model, mesh, photos, err);
+    put_in_words(out);
+
+done:
+    free(peak);
+    free(w.lamp_of);
+    free(w.lamps);
+    free(w.A);
+    free(w.J);
+    if (s)
+        sheen_certainty_release(out);
+    return s;
+}
+
+void sheen_certainty_release(sheen_certainty *c)
+{
+    free(c->lamps);
+    *c = (sheen_certainty){0};
+}
