@@ -35,8 +35,12 @@ sheen_status sheen_png_write(const char *path, const sheen_raster *r, sheen_err 
 sheen_status sheen_png_encode(uint8_t **data_out, size_t *size_bytes, const sheen_raster *r, sheen_err *err);
 // A linear image of 1, 3 or 4 channels (alpha stays linear) as 8-bit sRGB PNG, clipped to 0..1.
 sheen_status sheen_png_write_srgb(const char *path, const sheen_image *lin, sheen_err *err);
-// Quality 1..100, 4:4:4.
+// Quality 1..100, 4:4:4; to memory (the caller frees *out) or to a file.
+sheen_status sheen_jpeg_encode(uint8_t **out, size_t *size_bytes, const sheen_raster *r, int quality,
+                               sheen_err *err);
 sheen_status sheen_jpeg_write(const char *path, const sheen_raster *r, int quality, sheen_err *err);
+// Radiance picture (.hdr, RGBE): 3 channels, linear, run-length coded.
+sheen_status sheen_hdr_write(const char *path, const sheen_image *img, sheen_err *err);
 // Scan lines, ZIP, half or float. channel_names: n_channels names, or NULL for Y / R G B / R G B A.
 sheen_status sheen_exr_write(const char *path, const sheen_image *img, const char *const *channel_names,
                              bool half, sheen_err *err);

@@ -247,27 +247,42 @@ static sheen_status write_all(writer *w, const sheen_raster *r, int quality, she
     return SHEEN_OK;
 }
 
-sheen_status sheen_jpeg_write(const char *path, const sheen_raster *r, int quality, sheen_err *err)
+sheen_status sheen_jpeg_encode(uint8_t **out, size_t *size_bytes, const sheen_raster *r, int quality,
+                               sheen_err *err)
 {
+    *out = NULL;
+    *size_bytes = 0;
     if (!r->data || r->bits != 8 || (r->n_channels != 1 && r->n_channels != 3))
-        return sheen_fail(err, SHEEN_EARG, "cannot write '%s': a JPEG has 1 or 3 channels of 8 bits", path);
+        return sheen_fail(err, SHEEN_EARG, "a JPEG has 1 or 3 channels of 8 bits");
     if (quality < 1 || quality > 100)
-        return sheen_fail(err, SHEEN_EARG, "cannot write '%s': JPEG quality is 1 to 100, not %d", path,
-                          quality);
+        return sheen_fail(err, SHEEN_EARG, "JPEG quality is 1 to 100, not %d", quality);
     writer *w = calloc(1, sizeof *w);
     if (!w)
-        return sheen_fail_memory(err, sizeof *w, path);
+        return sheen_fail_memory(err, sizeof *w, "a JPEG");
     w->jpeg.err = jpeg_std_error(&w->errors);
     w->jpeg.client_data = w;
     w->errors.error_exit = on_write_error;
     w->errors.output_message = print_nothing;
-    sheen_status s = write_all(w, r, quality, err);
-    if (s)
-        s = sheen_wrap(err, s, "cannot write '%s'", path);
-    else
-        s = sheen_file_write(path, w->bytes.data, w->bytes.size_bytes, err);
+    const sheen_status s = write_all(w, r, quality, err);
+    if (s) {
+        free(w->bytes.data);
+    } else {
+        *out = w->bytes.data;
+        *size_bytes = w->bytes.size_bytes;
+    }
     jpeg_destroy_compress(&w->jpeg);
-    free(w->bytes.data);
     free(w);
+    return s;
+}
+
+sheen_status sheen_jpeg_write(const char *path, const sheen_raster *r, int quality, sheen_err *err)
+{
+    uint8_t *data;
+    size_t size_bytes;
+    sheen_status s = sheen_jpeg_encode(&data, &size_bytes, r, quality, err);
+    if (s)
+        return sheen_wrap(err, s, "cannot write '%s'", path);
+    s = sheen_file_write(path, data, size_bytes, err);
+    free(data);
     return s;
 }

@@ -12,6 +12,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "base/camera.h"
 
@@ -63,6 +64,11 @@ sheen_status sheen_colmap_cameras_parse(sheen_camera **cameras_out, int **ids_ou
 // Writes transforms.json (for exports and for tests): one camera, n views.
 sheen_status sheen_transforms_save(const char *path, const sheen_camera *cam, const sheen_view *views,
                                    size_t n_views, sheen_err *err);
+// Writes a COLMAP text model into a folder, which is made: one camera (PINHOLE, OPENCV or FULL_OPENCV), n views by their
+// `file`, and points (p_world [n][3], rgb [n][3] in sRGB) without tracks. EUNSUP: another lens model.
+sheen_status sheen_colmap_save(const char *dir, const sheen_camera *cam, const sheen_view *views,
+                               size_t n_views, const float *p_world, const uint8_t *rgb, size_t n_points,
+                               sheen_err *err);
 
 #ifdef __cplusplus
 }

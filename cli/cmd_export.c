@@ -15,13 +15,16 @@ typedef struct target {
 } target;
 
 static const target targets[] = {
-    {"html", sheen_export_page},
-    {"htm", sheen_export_page},
+    {"html", sheen_export_page}, {"htm", sheen_export_page}, {"glb", sheen_export_gltf},
+    {"obj", sheen_export_obj},   {"ply", sheen_export_ply},  {"json", sheen_export_transforms},
 };
 
 static const target *target_of(const char *output)
 {
-    const char *ending = sheen_path_extension(output);
+    static const target colmap = {"", sheen_export_colmap};
+    const char *ending = sheen_path_extension(output), *base = sheen_path_base(output);
+    if (!*base || !strcmp(base, "colmap"))
+        return &colmap;
     for (size_t i = 0; i < sizeof targets / sizeof *targets; i++)
         if (strcasecmp(ending, targets[i].ending) == 0)
             return &targets[i];
@@ -41,6 +44,8 @@ static sheen_status parse(sheen_cli *cli, sheen_export_args *a, sheen_err *err)
          "a page's texels a triangle's edge (default: all)", SHEEN_TEXTURE_MIN_EDGE, SHEEN_TEXTURE_MAX_EDGE},
         {"quantizer", 0, SHEEN_OPTION_INT, &a->quantizer, "N",
          "of a page's texture, 0 (finest) to 63, whatever the\nsize becomes", 0, 63},
+        {"lights", 0, SHEEN_OPTION_INT, &a->n_lights, "N",
+         "glTF: put the N strongest lights into the file, too", 0, 16},
         {"max-loss", 0, SHEEN_OPTION_NUMBER, &a->max_loss_db, "DB",
          "exit with 3 where packing loses more on the\nphotographs (default: 0.3)", 0.001, 20},
         {"threads", 0, SHEEN_OPTION_INT, &a->n_threads, "N", "default: one a processor", 1, 1024},
@@ -64,7 +69,9 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
         return st;
     const target *made = target_of(a.output);
     if (!made)
-        return sheen_cli_usage(cli, err, "'%.100s' should end in .html", a.output);
+        return sheen_cli_usage(
+            cli, err, "'%.100s' should end in .html, .glb, .obj, .ply or .json, or be a folder colmap/",
+            a.output);
     st = sheen_session_open(&s, cli->args[0], err);
     if (st)
         return st;
@@ -79,12 +86,18 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
 
 const sheen_command sheen_cmd_export = {
     .name = "export",
-    .synopsis = "SESSION -o FILE.html [options]",
-    .summary = "the model for others: one web page that needs nothing else",
-    .about =
-        "Wants a fitted model in the session. The page holds mesh, texture, lights and viewer, works from a\n"
-        "disk or a mail attachment, and asks no server for anything. Its texture is coded as finely as\n"
-        "--max-size permits; what that loses is measured on the photographs and said.\n",
-    .example = "  sheen export penguin.session -o penguin.html\n",
+    .synopsis = "SESSION -o FILE [options]",
+    .summary = "the model for others: a web page, glTF, OBJ, PLY, COLMAP",
+    .about = "Wants a fitted model in the session. The ending of FILE says in which form it is written:\n"
+             "  .html    a page that holds mesh, texture, lights and viewer, works from a disk or a mail "
+             "attachment,\n"
+             "           and asks no server for anything; what its packing loses is measured and said\n"
+             "  .glb     glTF 2.0, with a panorama of the light and a reference picture beside it\n"
+             "  .obj     the surface without highlights, with .mtl and .png beside it\n"
+             "  .ply     the mesh with a colour a vertex\n"
+             "  .json    transforms.json, with the photographs in images/ beside it\n"
+             "  colmap/  a COLMAP text model: sparse/0 and images/\n",
+    .example = "  sheen export penguin.session -o penguin.html\n"
+               "  sheen export penguin.session -o penguin.glb\n",
     .run = run,
 };

@@ -157,8 +157,7 @@ static void say(sheen_cli *cli, const sheen_export_args *a, const made_page *p, 
     }
 }
 
-// The given title, or the session's folder without the ending that our examples give it.
-static void set_title(char title[256], const sheen_export_args *a, const sheen_session *s)
+void sheen_export_title(char title[256], const sheen_export_args *a, const sheen_session *s)
 {
     snprintf(title, 256, "%.255s", a->title ? a->title : sheen_path_base(s->path));
     char *ending = a->title ? NULL : strstr(title, ".session");
@@ -183,7 +182,7 @@ sheen_status sheen_export_page(sheen_cli *cli, const sheen_export_args *a, const
         return sheen_fail(
             err, SHEEN_EUNSUP,
             "this build has no viewer to put into a page; install nodejs and npm, and build again");
-    set_title(e.title, a, s);
+    sheen_export_title(e.title, a, s);
     sheen_export_page_view(&e.view, v);
     sheen_status st = choose(&best, &e, err);
     if (st)

@@ -247,6 +247,38 @@ static void transforms_round_trip(void **state)
                  "transforms.json has no place for the lens model 'LENSMODEL_OPENCV5'");
 }
 
+static void colmap_round_trip(void **state)
+{
+    sheen_err err = {0};
+    sheen_camera cam;
+    sheen_pose_file back;
+    char dir[512];
+    const double fxycxy[4] = {500, 510, 319.5, 241},
+                 distortion[8] = {-0.1, 0.02, 1e-3, -2e-3, 0.01, 0, 0.03, 0};
+    const double rt[3][6] = {{0.1, -0.2, 0.3, 1, 2, 3}, {3.1, 0.02, -0.1, -1, 0, 0.5}, {0, 0, 0, 0, 0, 1}};
+    const float points[6] = {0, 0, 0, 1, 2, 3};
+    const uint8_t rgb[6] = {1, 2, 3, 4, 5, 6};
+    sheen_view views[3] = {{.file = "a.png"}, {.file = "b.jpg"}, {.name = "c"}};
+    snprintf(dir, sizeof dir, "%s/sparse/0", (const char *)*state);
+    for (int i = 0; i < 3; i++)
+        memcpy(views[i].rt_cam_world, rt[i], sizeof rt[i]);
+    assert_ok(sheen_camera_opencv(&cam, 640, 480, fxycxy, distortion, 8, &err), err);
+    assert_ok(sheen_colmap_save(dir, &cam, views, 3, points, rgb, 2, &err), err);
+    assert_ok(sheen_pose_file_load(&back, dir, &err), err);
+    assert_int_equal(back.n_views, 3);
+    assert_int_equal(back.n_cameras, 1);
+    assert_string_equal(back.cameras[0].lensmodel, "LENSMODEL_OPENCV8");
+    for (int i = 0; i < 12; i++)
+        assert_close(back.cameras[0].intrinsics[i], cam.intrinsics[i], 1e-12);
+    for (size_t i = 0; i < 3; i++)
+        for (int k = 0; k < 6; k++)
+            assert_close(back.views[i].rt_cam_world[k], rt[i][k], 1e-9);
+    sheen_pose_file_release(&back);
+    memcpy(cam.lensmodel, "LENSMODEL_OPENCV5", sizeof "LENSMODEL_OPENCV5");
+    cam.n_intrinsics = 9;
+    assert_fails(sheen_colmap_save(dir, &cam, views, 3, points, rgb, 2, &err), err, SHEEN_EUNSUP, "OPENCV5");
+}
+
 static void opencv_and_ros_yaml(void **state)
 {
     (void)state;
@@ -435,6 +467,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(colmap_folders_and_poses_json, test_scratch_setup,
                                         test_scratch_teardown),
         cmocka_unit_test_setup_teardown(transforms_round_trip, test_scratch_setup, test_scratch_teardown),
+        cmocka_unit_test_setup_teardown(colmap_round_trip, test_scratch_setup, test_scratch_teardown),
         cmocka_unit_test(opencv_and_ros_yaml),
         cmocka_unit_test_setup_teardown(cameras_are_told_by_content, test_scratch_setup,
                                         test_scratch_teardown),

@@ -63,7 +63,7 @@ sheen render ok --view 1,2 --orbit x.mp4
 sheen render ok --view 1,2 -o x.png --size 10x10
 sheen render ok --view 1,2 -o x.png --layer gold
 sheen export ok
-sheen export ok -o x.glb
+sheen export ok -o x.stl
 sheen export ok -o x.html --texels 1
 sheen eval ok --against photos
 sheen eval ok --holdout 2 --against photos --poses transforms.json

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Fits a drawn ball by each method, exports it, and looks at the pages in Chromium: run.sh SHEEN MAKE_INPUT WORK
+# Fits a drawn ball by each method, exports it, and looks at the pages and glTF files in Chromium: run.sh SHEEN MAKE_INPUT WORK
 # WORK is a build folder with what npm brought (its node_modules); pages and screenshots stay in WORK/pages. Exits
 # with 77, which CTest counts as skipped, where there is no Chromium.
 sheen=$1 make_input=$2 work=$3
@@ -26,5 +26,6 @@ trap 'rm -rf "$scratch"' EXIT
         "$sheen" fit ball.session --method paper &&
         "$sheen" fit refined.session --method refined
 ) || exit 1
-cp "$here"/*.mjs "$work" || exit 1
-exec node "$work/test_viewer.mjs" "$chromium" "$sheen" "$work/pages" "$scratch/ball.session" "$scratch/refined.session"
+cp "$here"/*.mjs "$here"/*.js "$work" || exit 1
+node "$work/test_viewer.mjs" "$chromium" "$sheen" "$work/pages" "$scratch/ball.session" "$scratch/refined.session" &&
+    node "$work/test_gltf.mjs" "$chromium" "$sheen" "$work/pages" "$scratch/ball.session"

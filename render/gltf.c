@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: Apache-2.0
+// gltf.c - what glTF wants to know of a model: base colour from the global texture and the panorama's irradiance.
+#include "render/gltf.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/image_file.h"
+#include "base/pose3.h"
+#include "base/vec.h"
+#include "render/gltf_write.h"
+#include "render/panorama.h"
+#include "render/surface_picture.h"
+
+static const double pi = 3.14159265358979323846;
+static const double dielectric = 0.04; // what glTF reflects at normal incidence
+// alpha_GGX over sigma: the GGX lobe that is nearest to the normalised Gaussian one, in least squares over small angles.
+static const double ggx_per_sigma = 1.32;
+static const double brightest = 0.9; // base colour, but for PERCENT of the surface
+enum { PANORAMA_HEIGHT_PX = 512, PERCENT = 2 };
+
+void sheen_gltf_release(sheen_gltf *g)
+{
+    free(g->glb);
+    sheen_image_release(&g->panorama);
+    *g = (sheen_gltf){.glb = NULL};
+}
+
+// Board axes (z up) to glTF's (y up): x stays, y = z, z = -y. The box's middle comes above the origin, its foot on it.
+static void place_object(sheen_gltf *g, const sheen_mesh *mesh, const double rt_board_obj[6])
+{
+    sheen_Rt board_obj;
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    sheen_Rt_from_rt(&board_obj, rt_board_obj);
+    for (int k = 0; k < 3; k++) {
+        g->R_gltf_obj[0][k] = board_obj.R[0][k];
+        g->R_gltf_obj[1][k] = board_obj.R[2][k];
+        g->R_gltf_obj[2][k] = -board_obj.R[1][k];
+    }
+    for (size_t i = 0; i < mesh->n_vertices; i++)
+        for (int k = 0; k < 3; k++) {
+            const double p[3] = {(double)mesh->p_obj[3 * i], (double)mesh->p_obj[3 * i + 1],
+                                 (double)mesh->p_obj[3 * i + 2]};
+            const double x = sheen_dot(g->R_gltf_obj[k], p);
+            low[k] = fmin(low[k], x);
+            high[k] = fmax(high[k], x);
+        }
+    for (int k = 0; k < 3; k++)
+        g->t_gltf_obj[k] = k == 1 ? -low[1] : -0.5 * (low[k] + high[k]);
+    float centre_f[3], radius_m;
+    sheen_mesh_sphere(mesh, centre_f, &radius_m);
+    const double centre[3] = {(double)centre_f[0], (double)centre_f[1], (double)centre_f[2]};
+    for (int k = 0; k < 3; k++)
+        g->middle_gltf[k] = sheen_dot(g->R_gltf_obj[k], centre) + g->t_gltf_obj[k];
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return x < y ? -1 : x > y;
+}
+
+// Irradiance at a place, from that of its triangle's corners.
+static void irradiance_at(float rgb[3], const sheen_surface_picture *p, const float *irradiance,
+                          const sheen_chart_place *at)
+{
+    const uint32_t *corner = p->mesh.triangles + 3 * (size_t)at->triangle;
+    const float b[3] = {1 - at->b1 - at->b2, at->b1, at->b2};
+    for (size_t c = 0; c < 3; c++) {
+        rgb[c] = 0;
+        for (size_t k = 0; k < 3; k++)
+            rgb[c] += b[k] * irradiance[3 * (size_t)corner[k] + c];
+    }
+}
+
+// The least light from everywhere, L, with which light = f0 L + base (1 - f0) (E + pi L) / pi has no base beyond
+// `brightest` on nearly all of the surface.
+static sheen_status find_dome(double *dome_lin, const sheen_surface_picture *p, const float *irradiance,
+                              double f0, sheen_err *err)
+{
+    const size_t n_px = (size_t)p->charts.side_px * (size_t)p->charts.side_px;
+    double *wants = malloc(n_px * sizeof *wants);
+    size_t n = 0;
+    *dome_lin = 0;
+    if (!wants)
+        return sheen_fail_memory(err, (double)(n_px * sizeof *wants), "a texture's levels");
+    for (size_t i = 0; i < n_px; i++) {
+        if (!p->known[i])
+            continue;
+        float E[3];
+        irradiance_at(E, p, irradiance, &p->places[i]);
+        double most = 0;
+        for (size_t c = 0; c < 3; c++)
+            most = fmax(most, (double)p->rgb.data[3 * i + c] - brightest * (1 - f0) * (double)E[c] / pi);
+        wants[n++] = most / (brightest * (1 - f0) + f0);
+    }
+    qsort(wants, n, sizeof *wants, ascending);
+    if (n)
+        *dome_lin = wants[(n - 1) * (100 - PERCENT) / 100];
+    free(wants);
+    return SHEEN_OK;
+}
+
+// Light into base colour, in place.
+static void find_base_colour(sheen_gltf *g, sheen_surface_picture *p, const float *irradiance)
+{
+    const size_t n_px = (size_t)p->charts.side_px * (size_t)p->charts.side_px;
+    size_t n_clipped = 0, n = 0;
+    for (size_t i = 0; i < n_px; i++) {
+        if (!p->known[i])
+            continue;
+        float E[3];
+        irradiance_at(E, p, irradiance, &p->places[i]);
+        int clipped = 0;
+        for (size_t c = 0; c < 3; c++) {
+            const double light = (double)p->rgb.data[3 * i + c] - g->f0 * g->dome_lin;
+            const double base = light * pi / fmax((1 - g->f0) * ((double)E[c] + pi * g->dome_lin), 1e-9);
+            clipped = clipped || base > 1 || base < 0;
+            p->rgb.data[3 * i + c] = (float)fmin(fmax(base, 0), 1);
+        }
+        n_clipped += (size_t)clipped;
+        n++;
+    }
+    g->clipped = n ? (double)n_clipped / (double)n : 0;
+}
+
+static sheen_status vertex_irradiance(float **out, const sheen_gltf *g, const sheen_mesh *mesh,
+                                      sheen_err *err)
+{
+    float *n_env = malloc(3 * mesh->n_vertices * sizeof *n_env);
+    *out = malloc(3 * mesh->n_vertices * sizeof **out);
+    sheen_status s = SHEEN_OK;
+    if (!n_env || !*out)
+        s = sheen_fail_memory(err, 24.0 * (double)mesh->n_vertices, "irradiance");
+    for (size_t i = 0; !s && i < mesh->n_vertices; i++)
+        for (size_t k = 0; k < 3; k++)
+            n_env[3 * i + k] = (float)(g->R_gltf_obj[k][0] * (double)mesh->n_obj[3 * i] +
+                                       g->R_gltf_obj[k][1] * (double)mesh->n_obj[3 * i + 1] +
+                                       g->R_gltf_obj[k][2] * (double)mesh->n_obj[3 * i + 2]);
+    if (!s)
+        s = sheen_panorama_irradiance(*out, n_env, mesh->n_vertices, &g->panorama, err);
+    free(n_env);
+    return s;
+}
+
+// What the surface would mirror of the surroundings beyond what the model says is taken off its own light.
+static void take_off(sheen_surface_picture *p, const float *irradiance, double excess)
+{
+    const size_t n_px = (size_t)p->charts.side_px * (size_t)p->charts.side_px;
+    for (size_t i = 0; i < n_px; i++) {
+        float E[3];
+        if (!p->known[i])
+            continue;
+        irradiance_at(E, p, irradiance, &p->places[i]);
+        for (size_t c = 0; c < 3; c++)
+            p->rgb.data[3 * i + c] -= (float)(excess / pi) * E[c];
+    }
+}
+
+static sheen_status make_base_colour(sheen_gltf *g, sheen_surface_picture *p, const sheen_model *model,
+                                     const double rt_world_obj[6], sheen_err *err)
+{
+    float *irradiance = NULL;
+    sheen_status s = SHEEN_OK;
+    if (model->surroundings.present && !(s = vertex_irradiance(&irradiance, g, &p->mesh, err)))
+        take_off(p, irradiance, g->f0 - model->surroundings.f0);
+    free(irradiance);
+    irradiance = NULL;
+    sheen_panorama_add_lights(&g->panorama, model, rt_world_obj, g->R_gltf_obj, g->f0);
+    if (!s)
+        s = vertex_irradiance(&irradiance, g, &p->mesh, err);
+    if (!s)
+        s = find_dome(&g->dome_lin, p, irradiance, g->f0, err);
+    if (!s) {
+        const size_t n = 3 * (size_t)g->panorama.width_px * (size_t)g->panorama.height_px;
+        find_base_colour(g, p, irradiance);
+        for (size_t i = 0; i < n; i++)
+            g->panorama.data[i] += (float)g->dome_lin;
+        s = sheen_image_fill(&p->rgb, p->known, err);
+    }
+    free(irradiance);
+    return s;
+}
+
+static sheen_status code_picture(uint8_t **jpeg, size_t *jpeg_bytes, const sheen_image *lin, int quality,
+                                 sheen_err *err)
+{
+    sheen_raster coded;
+    sheen_status s = sheen_raster_init(&coded, lin->width_px, lin->height_px, 3, 8, err);
+    if (s)
+        return s;
+    const size_t n = 3 * (size_t)lin->width_px * (size_t)lin->height_px;
+    uint8_t *to = coded.data;
+    for (size_t i = 0; i < n; i++)
+        to[i] = (uint8_t)lrintf(255.0f *
+                                sheen_transfer_encode(SHEEN_TRANSFER_SRGB, fminf(fmaxf(lin->data[i], 0), 1)));
+    s = sheen_jpeg_encode(jpeg, jpeg_bytes, &coded, quality, err);
+    sheen_raster_release(&coded);
+    return s;
+}
+
+// Node lights that stand together (within 8 degrees of the strongest left) as one.
+static size_t group_lights(sheen_gltf_light *out, size_t n_most, const sheen_gltf *g, const sheen_model *m,
+                           const double rt_world_obj[6])
+{
+    const float least_cosine = 0.99f;
+    const double gain = 8 * pi * m->sigma_rad * m->sigma_rad * m->k_s / g->f0;
+    sheen_Rt world_obj;
+    size_t n = 0;
+    uint8_t *taken = calloc(m->lights.count + 1, 1);
+    sheen_Rt_from_rt(&world_obj, rt_world_obj);
+    for (; taken && n < n_most; n++) {
+        size_t best = m->lights.count;
+        for (size_t i = 0; i < m->lights.count; i++)
+            if (!taken[i] && m->lights.weight[i] > 0 &&
+                (best == m->lights.count || m->lights.weight[i] > m->lights.weight[best]))
+                best = i;
+        if (best == m->lights.count)
+            break;
+        const float middle[3] = {m->lights.dx[best], m->lights.dy[best], m->lights.dz[best]};
+        double sum[3] = {0}, weight = 0, l_obj[3];
+        for (size_t i = 0; i < m->lights.count; i++) {
+            const float l[3] = {m->lights.dx[i], m->lights.dy[i], m->lights.dz[i]};
+            if (taken[i] || !(sheen_dotf(l, middle) > least_cosine))
+                continue;
+            taken[i] = 1;
+            weight += (double)m->lights.weight[i];
+            for (int k = 0; k < 3; k++)
+                sum[k] += (double)(m->lights.weight[i] * l[k]);
+        }
+        for (int k = 0; k < 3; k++)
+            l_obj[k] = world_obj.R[0][k] * sum[0] + world_obj.R[1][k] * sum[1] + world_obj.R[2][k] * sum[2];
+        for (int k = 0; k < 3; k++)
+            out[n].direction[k] = sheen_dot(g->R_gltf_obj[k], l_obj);
+        sheen_normalize(out[n].direction);
+        out[n].intensity_lux = gain * weight;
+        const double most = fmax(m->light_rgb[0], fmax(m->light_rgb[1], m->light_rgb[2]));
+        for (int c = 0; c < 3; c++)
+            out[n].rgb[c] = most > 0 ? m->light_rgb[c] / most : 1;
+        out[n].intensity_lux *= most;
+    }
+    free(taken);
+    return n;
+}
+
+static sheen_status write_it(sheen_gltf *g, const sheen_model *model, const sheen_surface_picture *p,
+                             const sheen_gltf_options *o, sheen_err *err)
+{
+    sheen_gltf_parts parts = {.title = o->title,
+                              .mesh = &p->mesh,
+                              .charts = &p->charts,
+                              .R_gltf_obj = g->R_gltf_obj,
+                              .t_gltf_obj = g->t_gltf_obj,
+                              .roughness = g->roughness,
+                              .specular_factor = model->surroundings.present ? 1 : g->f0,
+                              .specular_colour = model->surroundings.present ? 1 : 1 / dielectric};
+    uint8_t *jpeg = NULL;
+    sheen_gltf_light lights[SHEEN_GLTF_MAX_LIGHTS];
+    sheen_status s = code_picture(&jpeg, &parts.jpeg_bytes, &p->rgb, o->jpeg_quality, err);
+    parts.jpeg = jpeg;
+    parts.lights = lights;
+    if (o->n_lights > 0)
+        parts.n_lights = group_lights(
+            lights, (size_t)(o->n_lights < SHEEN_GLTF_MAX_LIGHTS ? o->n_lights : SHEEN_GLTF_MAX_LIGHTS), g,
+            model, o->rt_world_obj);
+    g->n_lights = (int)parts.n_lights;
+    if (!s)
+        s = sheen_gltf_write(&g->glb, &g->glb_bytes, &parts, err);
+    free(jpeg);
+    return s;
+}
+
+sheen_status sheen_gltf_make(sheen_gltf *out, const sheen_model *model, const sheen_gltf_options *o,
+                             sheen_err *err)
+{
+    sheen_surface_picture p;
+    *out = (sheen_gltf){.f0 = dielectric};
+    out->roughness = sqrt(fmin(1, ggx_per_sigma * model->sigma_rad));
+    sheen_status s = sheen_surface_picture_make(&p, model, o->max_triangles, o->max_side_px, err);
+    if (s)
+        return s;
+    out->n_triangles = p.mesh.n_triangles;
+    out->side_px = p.charts.side_px;
+    out->moved_m = p.moved_m;
+    place_object(out, &model->mesh, o->rt_board_obj);
+    s = sheen_panorama_make(&out->panorama, model, o->rt_world_obj, out->R_gltf_obj, PANORAMA_HEIGHT_PX, err);
+    if (!s)
+        s = make_base_colour(out, &p, model, o->rt_world_obj, err);
+    if (!s)
+        s = write_it(out, model, &p, o, err);
+    sheen_surface_picture_release(&p);
+    if (s)
+        sheen_gltf_release(out);
+    return s;
+}

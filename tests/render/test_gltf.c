@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+// test_gltf.c - charts, the panorama and the glTF file of a small figure: what other programs rely on.
+#include "render/gltf.h"
+#include "tests/support.h"
+#include "tests/support_scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/vec.h"
+#include "render/panorama.h"
+#include "render/simplify.h"
+#include "render/surface_picture.h"
+
+static const double no_turn[6] = {0};
+
+static void make_model(sheen_model *m)
+{
+    sheen_err err = {0};
+    sheen_model_init(m);
+    test_figure(&m->mesh, 6, 0.1f, 0.02f);
+    memcpy(m->method, "paper", sizeof "paper");
+    m->frequency = 3;
+    m->n_hemisphere = 46;
+    m->k_s = 2;
+    m->sigma_rad = 0.1;
+    assert_ok(sheen_model_set_lights(m, 2, &err), err);
+    for (size_t i = 0; i < 2; i++) {
+        m->node[i] = (uint32_t)i;
+        m->radiance[i] = 1;
+        m->lights.weight[i] = (float)(2 * 3.14159265358979323846 / 46);
+        m->lights.dz[i] = i ? 0 : 1;
+        m->lights.dx[i] = i ? 1 : 0;
+    }
+    assert_ok(sheen_texture_init(&m->texture, m->mesh.n_triangles, 4, &err), err);
+    for (size_t i = 0; i < m->mesh.n_triangles * 10; i++) {
+        m->texture.n_views[i] = i % 29 != 0;
+        for (size_t c = 0; c < 3; c++)
+            m->texture.rgb[3 * i + c] = 0.1f + 0.1f * (float)c;
+    }
+}
+
+// No pixel shows two places, every triangle has its corners where the picture says, and nothing leaves the picture.
+static void charts_lie_side_by_side(void **state)
+{
+    (void)state;
+    sheen_err err = {0};
+    sheen_mesh mesh;
+    sheen_charts c;
+    test_figure(&mesh, 8, 0.1f, 0.03f);
+    assert_ok(sheen_charts_make(&c, &mesh, 0.002, 1024, &err), err);
+    assert_int_equal(c.n_triangles, mesh.n_triangles);
+    assert_true(c.n_vertices >= mesh.n_vertices);
+    double area_px = 0;
+    for (size_t i = 0; i < 3 * c.n_triangles; i++)
+        assert_int_equal(c.vertex[c.triangles[i]], mesh.triangles[i]);
+    for (size_t i = 0; i < 2 * c.n_vertices; i++)
+        assert_true(c.q_px[i] >= 1 && c.q_px[i] <= (float)c.side_px - 1);
+    for (size_t i = 0; i < c.n_triangles; i++) {
+        const float *a = c.q_px + 2 * (size_t)c.triangles[3 * i],
+                    *b = c.q_px + 2 * (size_t)c.triangles[3 * i + 1],
+                    *d = c.q_px + 2 * (size_t)c.triangles[3 * i + 2];
+        area_px += 0.5 * fabs((double)((b[0] - a[0]) * (d[1] - a[1]) - (b[1] - a[1]) * (d[0] - a[0])));
+    }
+    const size_t n = (size_t)c.side_px * (size_t)c.side_px;
+    sheen_chart_place *places = malloc(n * sizeof *places);
+    assert_non_null(places);
+    sheen_charts_places(places, &c);
+    double covered_px = 0;
+    for (size_t i = 0; i < n; i++)
+        covered_px += places[i].triangle != SHEEN_CHART_EMPTY;
+    assert_close(covered_px / area_px, 1, 0.02); // overlaps would cover less than the triangles' area
+    free(places);
+    sheen_charts_release(&c);
+    sheen_mesh_release(&mesh);
+}
+
+static void a_light_stands_in_the_panorama_with_its_power(void **state)
+{
+    (void)state;
+    sheen_err err = {0};
+    sheen_model m;
+    sheen_image sky;
+    double R[3][3] = {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}};
+    make_model(&m);
+    assert_ok(sheen_panorama_make(&sky, &m, no_turn, R, 64, &err), err);
+    sheen_panorama_add_lights(&sky, &m, no_turn, R, 0.04);
+    const double want = 8 * 3.14159265358979323846 * 0.01 * 2 / 0.04 * (double)m.lights.weight[0];
+    double power = 0, at_zenith = 0;
+    for (int y = 0; y < sky.height_px; y++)
+        for (int x = 0; x < sky.width_px; x++) {
+            const double light = (double)sheen_image_at(&sky, x, y)[1] * sheen_panorama_pixel_sr(&sky, y);
+            power += light;
+            at_zenith += y < 8 ? light : 0;
+        }
+    assert_close(power / (2 * want), 1, 0.1);
+    assert_close(at_zenith / want, 1, 0.2);
+    assert_true(sheen_image_at(&sky, sky.width_px / 2, sky.height_px / 2)[0] > 0); // +x is in the middle
+    // What falls on a surface that faces the light at +x.
+    const float n[6] = {1, 0, 0, -1, 0, 0};
+    float E[6];
+    assert_ok(sheen_panorama_irradiance(E, n, 2, &sky, &err), err);
+    assert_close((double)E[1] / want, 1, 0.1);
+    assert_close((double)E[4] / want, 0, 0.06); // the other light, at the zenith, is a wide disc
+    sheen_image_release(&sky);
+    sheen_model_release(&m);
+}
+
+static void fewer_triangles_stay_near(void **state)
+{
+    (void)state;
+    sheen_err err = {0};
+    sheen_mesh mesh, simple;
+    double moved_m;
+    const float centre[3] = {0, 0, 0};
+    test_sphere(&mesh, 16, centre, 0.1f);
+    assert_ok(sheen_mesh_simplify(&simple, &mesh, mesh.n_triangles / 4, &moved_m, &err), err);
+    assert_in_range(simple.n_triangles, mesh.n_triangles / 8, mesh.n_triangles / 4 + 8);
+    assert_true(moved_m > 0 && moved_m < 0.01);
+    for (size_t i = 0; i < simple.n_vertices; i++)
+        assert_close(sqrtf(sheen_dotf(simple.p_obj + 3 * i, simple.p_obj + 3 * i)), 0.1, 1e-3);
+    sheen_mesh_release(&simple);
+    sheen_mesh_release(&mesh);
+}
+
+static sheen_gltf_options options_of(size_t max_triangles, int n_lights)
+{
+    return (sheen_gltf_options){.title = "a \"figure\"",
+                                .rt_board_obj = no_turn,
+                                .rt_world_obj = no_turn,
+                                .max_triangles = max_triangles,
+                                .max_side_px = 512,
+                                .jpeg_quality = 90,
+                                .n_lights = n_lights};
+}
+
+static void our_own_reader_reads_the_file(void **state)
+{
+    (void)state;
+    sheen_err err = {0};
+    sheen_model m;
+    sheen_gltf g;
+    sheen_mesh back;
+    float low[3], high[3], was_low[3], was_high[3];
+    make_model(&m);
+    sheen_mesh_bounds(&m.mesh, was_low, was_high);
+    const size_t budgets[2] = {m.mesh.n_triangles, m.mesh.n_triangles / 2};
+    for (int i = 0; i < 2; i++) {
+        const sheen_gltf_options o = options_of(budgets[i], i ? 4 : 0);
+        assert_ok(sheen_gltf_make(&g, &m, &o, &err), err);
+        assert_int_equal(g.n_lights, i ? 2 : 0);
+        assert_ok(sheen_mesh_parse(&back, g.glb, g.glb_bytes, "x.glb", &err), err);
+        assert_true(back.n_triangles <= budgets[i] + 8);
+        sheen_mesh_bounds(&back, low, high);
+        // y up, the foot at the origin.
+        assert_close(low[1], 0, 2e-3);
+        assert_close(high[1] - low[1], was_high[2] - was_low[2], 4e-3);
+        assert_close(low[0] + high[0], 0, 4e-3);
+        assert_close(g.clipped, 0, 0.05);
+        sheen_mesh_release(&back);
+        sheen_gltf_release(&g);
+    }
+    sheen_model_release(&m);
+}
+
+// One triangle that no photograph saw, without light.
+static void the_least_model_is_written(void **state)
+{
+    (void)state;
+    static const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    sheen_err err = {0};
+    sheen_model m;
+    sheen_gltf g;
+    sheen_model_init(&m);
+    test_triangles(&m.mesh, corners, 1);
+    m.sigma_rad = 0.1;
+    m.n_hemisphere = 6;
+    assert_ok(sheen_texture_init(&m.texture, 1, 2, &err), err);
+    const sheen_gltf_options o = options_of(100, 3);
+    assert_ok(sheen_gltf_make(&g, &m, &o, &err), err);
+    assert_int_equal(g.n_triangles, 1);
+    assert_int_equal(g.n_lights, 0);
+    sheen_gltf_release(&g);
+    sheen_model_release(&m);
+}
+
+static void unknown_pixels_take_the_colour_about_them(void **state)
+{
+    (void)state;
+    sheen_err err = {0};
+    sheen_image img;
+    uint8_t known[8 * 4] = {0};
+    assert_ok(sheen_image_init(&img, 8, 4, 3, &err), err);
+    assert_ok(sheen_image_fill(&img, known, &err), err); // nothing known: stays as it is
+    known[9] = known[14] = 1;
+    sheen_image_at(&img, 1, 1)[0] = 1;
+    sheen_image_at(&img, 6, 1)[2] = 1;
+    assert_ok(sheen_image_fill(&img, known, &err), err);
+    assert_close(sheen_image_at(&img, 0, 0)[0], 1, 1e-6);
+    assert_close(sheen_image_at(&img, 7, 0)[2], 1, 1e-6);
+    assert_close(sheen_image_at(&img, 1, 1)[0], 1, 0);
+    sheen_image_release(&img);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(charts_lie_side_by_side),
+        cmocka_unit_test(a_light_stands_in_the_panorama_with_its_power),
+        cmocka_unit_test(fewer_triangles_stay_near),
+        cmocka_unit_test(our_own_reader_reads_the_file),
+        cmocka_unit_test(the_least_model_is_written),
+        cmocka_unit_test(unknown_pixels_take_the_colour_about_them),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
