@@ -1,26 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // draw.c - pictures of a model by section 5: texture, plus specular reflection by eq. (7), added at each
-// sample.
-//
-// Interpolated normals turn away from the camera near outlines, where eq. (7) has no answer: there a normal
-// is bent towards the camera until its cosine is MIN_FACING, so that highlights run on to the outline instead
-// of breaking off in black speckles. A triangle seen from behind (the inside of an open mesh) has no specular
-// part.
+// sample. The picture is worked on in small squares of samples, whose layers are then summed into its pixels.
 #include "render/draw.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/parallel.h"
 #include "base/pose3.h"
-#include "base/vec.h"
+#include "render/draw_tile.h"
 #include "render/gbuffer.h"
 #include "render/shade.h"
 
-#define MIN_FACING 0.01f
-
-enum { DEFAULT_SAMPLES_PER_SIDE = 2 };
+enum { DEFAULT_SAMPLES_PER_SIDE = 2, TILE_SAMPLES_PER_SIDE = 16 };
 
 struct sheen_drawing {
     const sheen_model *model;
@@ -53,7 +47,7 @@ sheen_status sheen_drawing_new(sheen_drawing **out, const sheen_model *model, sh
     d->model = model;
     sheen_status s = sheen_scene_new(&d->scene, &model->mesh, err);
     if (!s)
-        s = sheen_light_cells_new(&d->cells, &model->lights, (float)model->sigma_rad, err);
+        s = sheen_lobe_block_cells(&d->cells, &model->lights, (float)model->sigma_rad, err);
     if (s)
         sheen_drawing_free(&d);
     *out = d;
@@ -76,6 +70,7 @@ typedef struct job {
     const sheen_draw_options *options;
     sheen_layers *out;
     sheen_shading shading;
+    int tile_px; // pixels a side that are worked on together
 } job;
 
 // Sums over a pixel's samples.
@@ -83,118 +78,130 @@ typedef struct sums {
     float diffuse[3], specular[3], coverage, holes;
 } sums;
 
-static bool seen_from_behind(const sheen_mesh *mesh, uint32_t triangle, const float v_obj[3])
+static void add_sample(sums *s, const sheen_tile *tile, int i, const sheen_draw_options *o)
 {
-    const uint32_t *corner = mesh->triangles + 3 * (size_t)triangle;
-    const float *p = mesh->p_obj + 3 * (size_t)corner[0];
-    float a[3], b[3], n[3];
-    sheen_subf(a, mesh->p_obj + 3 * (size_t)corner[1], p);
-    sheen_subf(b, mesh->p_obj + 3 * (size_t)corner[2], p);
-    sheen_crossf(n, a, b);
-    return sheen_dotf(n, v_obj) < 0;
-}
-
-static void add_specular(float sum[3], const job *j, const sheen_hit *hit)
-{
-    const sheen_mesh *mesh = &j->drawing->model->mesh;
-    float p_obj[3], n_obj[3], v_obj[3], rgb[3];
-    sheen_hit_surface(mesh, hit, j->g->p_camera_obj, p_obj, n_obj, v_obj);
-    const float facing = sheen_dotf(n_obj, v_obj);
-    if (facing < MIN_FACING) {
-        if (seen_from_behind(mesh, hit->triangle, v_obj))
-            return;
-        // The nearest direction to n whose cosine with v is MIN_FACING: its part across v stays, its length
-        // is made up.
-        float across[3];
-        for (int k = 0; k < 3; k++)
-            across[k] = n_obj[k] - facing * v_obj[k];
-        if (!(sheen_normalizef(across) > 0))
-            return;
-        const float side = sqrtf(1 - MIN_FACING * MIN_FACING);
-        for (int k = 0; k < 3; k++)
-            n_obj[k] = side * across[k] + MIN_FACING * v_obj[k];
+    const float *diffuse = tile->hole[i] && o->mark_holes ? o->hole_rgb : tile->diffuse[i];
+    for (int c = 0; c < 3; c++) {
+        s->diffuse[c] += diffuse[c];
+        s->specular[c] += tile->specular[i][c];
     }
-    sheen_shade(rgb, &j->shading, p_obj, n_obj, v_obj);
-    for (int c = 0; c < 3; c++)
-        sum[c] += rgb[c];
-}
-
-static void add_sample(sums *s, const job *j, const sheen_hit *hit)
-{
-    if (hit->triangle == SHEEN_NO_HIT)
-        return;
-    float rgb[3];
     s->coverage += 1;
-    if (!(sheen_texture_sample(&j->drawing->model->texture, hit, rgb) > 0)) {
-        s->holes += 1;
-        if (j->options->mark_holes)
-            memcpy(rgb, j->options->hole_rgb, sizeof rgb);
-    }
-    for (int c = 0; c < 3; c++)
-        s->diffuse[c] += rgb[c];
-    add_specular(s->specular, j, hit);
+    s->holes += tile->hole[i] ? 1 : 0;
 }
 
-static void draw_rows(void *self, size_t begin, size_t end)
+// n pixels of a row, from (x, y) on.
+static void put_pixels(const job *j, int x, int y, const sums *s, int n)
+{
+    const sheen_layers *out = j->out;
+    const float share = 1.0f / (float)(j->g->samples_per_side * j->g->samples_per_side);
+    const float *background = j->options->background_rgb;
+    float *diffuse = out->diffuse.data ? sheen_image_at(&out->diffuse, x, y) : NULL;
+    float *specular = out->specular.data ? sheen_image_at(&out->specular, x, y) : NULL;
+    float *composite = out->composite.data ? sheen_image_at(&out->composite, x, y) : NULL;
+    float *coverage = out->coverage.data ? sheen_image_at(&out->coverage, x, y) : NULL;
+    float *holes = out->holes.data ? sheen_image_at(&out->holes, x, y) : NULL;
+    for (int i = 0; composite && i < n; i++)
+        for (int c = 0; c < 3; c++)
+            composite[3 * i + c] = (s[i].diffuse[c] + s[i].specular[c]) * share +
+                                   (1 - s[i].coverage * share) * background[c];
+    for (int i = 0; diffuse && i < n; i++)
+        for (int c = 0; c < 3; c++)
+            diffuse[3 * i + c] = s[i].diffuse[c] * share;
+    for (int i = 0; specular && i < n; i++)
+        for (int c = 0; c < 3; c++)
+            specular[3 * i + c] = s[i].specular[c] * share;
+    for (int i = 0; coverage && i < n; i++)
+        coverage[i] = s[i].coverage * share;
+    for (int i = 0; holes && i < n; i++)
+        holes[i] = s[i].holes * share;
+}
+
+// Pixels [x0, x0 + side) x [y0, y0 + side) of the window, cut to it.
+static void draw_tile(const job *j, int x0, int y0)
+{
+    const sheen_gbuffer *g = j->g;
+    const int n = g->samples_per_side, side = j->tile_px;
+    sheen_tile tile;
+    sheen_tile_gather(&tile, g, x0 * n, y0 * n, side * n);
+    if (tile.count) {
+        sheen_tile_diffuse(&tile, &j->drawing->model->texture);
+        sheen_tile_specular(&tile, &j->shading, g->p_camera_obj);
+    }
+    sums pixels[TILE_SAMPLES_PER_SIDE * TILE_SAMPLES_PER_SIDE];
+    const int width = g->width_px - x0 < side ? g->width_px - x0 : side;
+    const int height = g->height_px - y0 < side ? g->height_px - y0 : side;
+    memset(pixels, 0, (size_t)(side * side) * sizeof *pixels);
+    for (int i = 0; i < tile.count; i++)
+        add_sample(pixels + (tile.y[i] / n) * side + tile.x[i] / n, &tile, i, j->options);
+    for (int y = 0; y < height; y++)
+        put_pixels(j, g->x0_px + x0, g->y0_px + y0 + y, pixels + y * side, width);
+}
+
+static void draw_bands(void *self, size_t begin, size_t end)
+{
+    const job *j = self;
+    for (size_t band = begin; band < end; band++)
+        for (int x = 0; x < j->g->width_px; x += j->tile_px)
+            draw_tile(j, x, (int)band * j->tile_px);
+}
+
+static void fill(sheen_image *layer, int y, int begin, int end, const float *value)
+{
+    for (int x = begin; x < end; x++)
+        for (int c = 0; c < layer->n_channels; c++)
+            sheen_image_at(layer, x, y)[c] = value[c];
+}
+
+// What lies outside the window.
+static void clear_rows(void *self, size_t begin, size_t end)
 {
     const job *j = self;
     const sheen_gbuffer *g = j->g;
-    const int n = g->samples_per_side;
-    const size_t stride = (size_t)g->width_px * (size_t)n;
-    const float share = 1.0f / (float)(n * n);
-    for (size_t row = begin; row < end; row++)
-        for (int x = 0; x < g->width_px; x++) {
-            sums s = {0};
-            for (int sy = 0; sy < n; sy++)
-                for (int sx = 0; sx < n; sx++)
-                    add_sample(&s, j,
-                               g->hits + (row * (size_t)n + (size_t)sy) * stride + (size_t)(x * n + sx));
-            if (!(s.coverage > 0))
-                continue;
-            const int at_x = g->x0_px + x, at_y = g->y0_px + (int)row;
-            float *diffuse = sheen_image_at(&j->out->diffuse, at_x, at_y);
-            float *specular = sheen_image_at(&j->out->specular, at_x, at_y);
-            float *composite = sheen_image_at(&j->out->composite, at_x, at_y);
-            const float coverage = s.coverage * share;
-            for (int c = 0; c < 3; c++) {
-                diffuse[c] = s.diffuse[c] * share;
-                specular[c] = s.specular[c] * share;
-                composite[c] = diffuse[c] + specular[c] + (1 - coverage) * j->options->background_rgb[c];
-            }
-            *sheen_image_at(&j->out->coverage, at_x, at_y) = coverage;
-            *sheen_image_at(&j->out->holes, at_x, at_y) = s.holes * share;
+    static const float black[3] = {0, 0, 0};
+    sheen_image *const layers[] = {&j->out->diffuse, &j->out->specular, &j->out->composite, &j->out->coverage,
+                                   &j->out->holes};
+    for (size_t i = 0; i < sizeof layers / sizeof *layers; i++)
+        for (size_t row = begin; row < end && layers[i]->data; row++) {
+            const int y = (int)row, width = layers[i]->width_px;
+            const float *value = layers[i] == &j->out->composite ? j->options->background_rgb : black;
+            const bool in_window = y >= g->y0_px && y < g->y0_px + g->height_px;
+            fill(layers[i], y, 0, in_window ? g->x0_px : width, value);
+            if (in_window)
+                fill(layers[i], y, g->x0_px + g->width_px, width, value);
         }
 }
 
-static sheen_status make_layers(sheen_layers *out, const sheen_camera *cam, const float background_rgb[3],
-                                sheen_err *err)
+static sheen_status room(sheen_image *layer, int wanted, const sheen_camera *cam, int channels,
+                         sheen_err *err)
 {
-    *out = (sheen_layers){0};
-    sheen_status s = sheen_image_init(&out->diffuse, cam->width_px, cam->height_px, 3, err);
-    if (!s)
-        s = sheen_image_init(&out->specular, cam->width_px, cam->height_px, 3, err);
-    if (!s)
-        s = sheen_image_init(&out->composite, cam->width_px, cam->height_px, 3, err);
-    if (!s)
-        s = sheen_image_init(&out->coverage, cam->width_px, cam->height_px, 1, err);
-    if (!s)
-        s = sheen_image_init(&out->holes, cam->width_px, cam->height_px, 1, err);
-    if (s)
-        return s;
-    const size_t n = (size_t)cam->width_px * (size_t)cam->height_px;
-    for (size_t i = 0; i < n; i++)
-        memcpy(out->composite.data + 3 * i, background_rgb, 3 * sizeof *background_rgb);
-    return SHEEN_OK;
+    if (wanted && layer->data && layer->width_px == cam->width_px && layer->height_px == cam->height_px &&
+        layer->n_channels == channels)
+        return SHEEN_OK;
+    sheen_image_release(layer);
+    return wanted ? sheen_image_init(layer, cam->width_px, cam->height_px, channels, err) : SHEEN_OK;
 }
 
-sheen_status sheen_draw(sheen_layers *out, const sheen_drawing *d, const sheen_camera *cam,
-                        const double rt_cam_obj[6], const double *rt_world_obj,
-                        const sheen_draw_options *options, sheen_err *err)
+static sheen_status make_layers(sheen_layers *out, const sheen_camera *cam, unsigned wanted, sheen_err *err)
+{
+    sheen_status s = room(&out->diffuse, wanted & SHEEN_LAYER_DIFFUSE, cam, 3, err);
+    if (!s)
+        s = room(&out->specular, wanted & SHEEN_LAYER_SPECULAR, cam, 3, err);
+    if (!s)
+        s = room(&out->composite, wanted & SHEEN_LAYER_COMPOSITE, cam, 3, err);
+    if (!s)
+        s = room(&out->coverage, wanted & SHEEN_LAYER_COVERAGE, cam, 1, err);
+    if (!s)
+        s = room(&out->holes, wanted & SHEEN_LAYER_HOLES, cam, 1, err);
+    return s;
+}
+
+sheen_status sheen_redraw(sheen_layers *out, const sheen_drawing *d, const sheen_camera *cam,
+                          const double rt_cam_obj[6], const double *rt_world_obj,
+                          const sheen_draw_options *options, sheen_err *err)
 {
     static const sheen_draw_options defaults = {0};
     const sheen_draw_options *o = options ? options : &defaults;
     const int samples = o->samples_per_side ? o->samples_per_side : DEFAULT_SAMPLES_PER_SIDE;
-    *out = (sheen_layers){0};
     if (!rt_world_obj)
         rt_world_obj = d->model->rt_world_obj;
     for (int i = 0; i < 6; i++)
@@ -205,14 +212,26 @@ sheen_status sheen_draw(sheen_layers *out, const sheen_drawing *d, const sheen_c
                                         err);
     if (s)
         return s;
-    s = make_layers(out, cam, o->background_rgb, err);
+    s = make_layers(out, cam, o->layers ? o->layers : SHEEN_LAYERS_ALL, err);
     if (!s) {
         job j = {.drawing = d, .g = &g, .options = o, .out = out};
+        j.tile_px = samples < TILE_SAMPLES_PER_SIDE ? TILE_SAMPLES_PER_SIDE / samples : 1;
         sheen_shading_init(&j.shading, d->model, d->scene, d->cells, rt_world_obj);
-        sheen_parallel_for((size_t)g.height_px, 4, o->n_threads, draw_rows, &j);
-    } else {
-        sheen_layers_release(out);
+        sheen_parallel_for((size_t)cam->height_px, 16, o->n_threads, clear_rows, &j);
+        const size_t n_bands = (size_t)((g.height_px + j.tile_px - 1) / j.tile_px);
+        sheen_parallel_for(n_bands, 1, o->n_threads, draw_bands, &j);
     }
     sheen_gbuffer_release(&g);
+    return s;
+}
+
+sheen_status sheen_draw(sheen_layers *out, const sheen_drawing *d, const sheen_camera *cam,
+                        const double rt_cam_obj[6], const double *rt_world_obj,
+                        const sheen_draw_options *options, sheen_err *err)
+{
+    *out = (sheen_layers){0};
+    const sheen_status s = sheen_redraw(out, d, cam, rt_cam_obj, rt_world_obj, options, err);
+    if (s)
+        sheen_layers_release(out);
     return s;
 }

@@ -12,7 +12,18 @@
 extern "C" {
 #endif
 
+// Which layers are wanted.
+enum {
+    SHEEN_LAYER_DIFFUSE = 1,
+    SHEEN_LAYER_SPECULAR = 2,
+    SHEEN_LAYER_COMPOSITE = 4,
+    SHEEN_LAYER_COVERAGE = 8,
+    SHEEN_LAYER_HOLES = 16,
+    SHEEN_LAYERS_ALL = 31
+};
+
 typedef struct sheen_draw_options {
+    unsigned layers;         // 0: all; the others stay empty (no pixels)
     int samples_per_side;    // antialiasing: n x n samples a pixel; 0: 2
     int n_threads;           // 0: one per processor
     float hole_rgb[3];       // colour that marks surface which no photograph saw, linear
@@ -44,6 +55,12 @@ void sheen_drawing_free(sheen_drawing **d);
 sheen_status sheen_draw(sheen_layers *out, const sheen_drawing *d, const sheen_camera *cam,
                         const double rt_cam_obj[6], const double *rt_world_obj,
                         const sheen_draw_options *options, sheen_err *err);
+
+// The same into layers of an earlier call (or zeroed ones): pictures of the right size are used again, which
+// for a film saves more time than one would think.
+sheen_status sheen_redraw(sheen_layers *layers, const sheen_drawing *d, const sheen_camera *cam,
+                          const double rt_cam_obj[6], const double *rt_world_obj,
+                          const sheen_draw_options *options, sheen_err *err);
 
 #ifdef __cplusplus
 }

@@ -5,9 +5,10 @@
 // about h, the mirror direction r is v mirrored about n, and mirroring at most doubles angles: so a light
 // that counts lies within 2 reach of r. Directions are laid out on a square (an unfolded octahedron) and cut
 // into cells; each cell keeps a copy of all lights which lie within 2 reach of any direction in it. A sum
-// looks up r's cell and runs the plain kernel over that list. Lists are filled up with lights of no weight to
+// looks up r's cell and runs the plain kernel over that list. With a margin, lists reach further, so that one
+// serves all samples whose mirror directions lie about r. Lists are filled up with lights of no weight to
 // whole vectors.
-#include "render/lobe.h"
+#include "render/light_cells.h"
 
 #include <assert.h>
 #include <stdint.h>
@@ -17,13 +18,6 @@
 enum { LANES = 16, MAX_SIDE = 192, BLOCK = 12 };
 // Lists longer than this in all (64 MB) are not worth their memory: coarser cells, at last none.
 static const size_t max_entries = (size_t)4 << 20;
-
-struct sheen_light_cells {
-    float sigma_rad;
-    int side;        // cells along the square; 0: one list for all directions
-    uint32_t *start; // [side * side + 1]
-    sheen_lights lists;
-};
 
 static void direction_of(float d[3], float u, float v)
 {
@@ -35,21 +29,6 @@ static void direction_of(float d[3], float u, float v)
         d[1] = copysignf(1 - fabsf(u), v);
     }
     sheen_normalizef(d);
-}
-
-static size_t cell_of(int side, const float d[3])
-{
-    const float s = fabsf(d[0]) + fabsf(d[1]) + fabsf(d[2]);
-    float u = d[0] / s, v = d[1] / s;
-    if (d[2] < 0) {
-        const float folded = copysignf(1 - fabsf(v), u);
-        v = copysignf(1 - fabsf(u), v);
-        u = folded;
-    }
-    const int column = (int)((u + 1) * 0.5f * (float)side), row = (int)((v + 1) * 0.5f * (float)side);
-    const int c = column < 0 ? 0 : column >= side ? side - 1 : column;
-    const int r = row < 0 ? 0 : row >= side ? side - 1 : row;
-    return (size_t)r * (size_t)side + (size_t)c;
 }
 
 // The directions of a cell, or of a block of cells, lie within radius_rad of the centre.
@@ -209,8 +188,14 @@ static void release(sheen_lights *l)
 sheen_status sheen_light_cells_new(sheen_light_cells **out, const sheen_lights *lights, float sigma_rad,
                                    sheen_err *err)
 {
-    assert(sigma_rad > 0);
-    const float reach_rad = 2 * SHEEN_LOBE_REACH_SIGMA * sigma_rad;
+    return sheen_light_cells_new_wide(out, lights, sigma_rad, 0, err);
+}
+
+sheen_status sheen_light_cells_new_wide(sheen_light_cells **out, const sheen_lights *lights, float sigma_rad,
+                                        float margin_rad, sheen_err *err)
+{
+    assert(sigma_rad > 0 && margin_rad >= 0);
+    const float reach_rad = 2 * SHEEN_LOBE_REACH_SIGMA * sigma_rad + margin_rad;
     const cone everything = {.centre = {0, 0, 1}, .radius_rad = 4};
     sheen_lights near = {0};
     sheen_status s = SHEEN_OK;
@@ -223,6 +208,7 @@ sheen_status sheen_light_cells_new(sheen_light_cells **out, const sheen_lights *
         goto done;
     }
     c->sigma_rad = sigma_rad;
+    c->margin_rad = margin_rad;
     s = room(&near, lights->count, err);
     if (s)
         goto done;
@@ -259,18 +245,9 @@ void sheen_light_cells_free(sheen_light_cells **cells)
 void sheen_light_cells_near(sheen_lights *near, const sheen_light_cells *cells, const float n[3],
                             const float v[3])
 {
-    *near = cells->lists;
-    if (!cells->side)
-        return;
     float r[3];
     sheen_mirrorf(r, n, v);
-    const size_t cell = cell_of(cells->side, r);
-    const uint32_t begin = cells->start[cell], end = cells->start[cell + 1];
-    near->dx += begin;
-    near->dy += begin;
-    near->dz += begin;
-    near->weight += begin;
-    near->count = end - begin;
+    *near = sheen_lights_near(cells, r);
 }
 
 float sheen_light_cells_sum(const sheen_light_cells *cells, const float n[3], const float v[3])

@@ -62,10 +62,10 @@ void sheen_texture_lattice(const sheen_mesh *mesh, size_t triangle, int texels_p
         }
 }
 
-// The lattice's small triangle at a place: its three texels' (i, j), and their weights.
-static void cell_at(int texels_per_edge, const sheen_hit *hit, int ij[3][2], float weight[3])
+// The lattice's small triangle at a place: the indices of its three texels, and their weights.
+static inline void cell_at(const sheen_texture *t, const sheen_hit *hit, size_t texel[3], float weight[3])
 {
-    const int last = texels_per_edge - 1;
+    const int T = t->texels_per_edge, last = T - 1;
     const float a = hit->b1 * (float)last, b = hit->b2 * (float)last;
     int i = (int)a, j = (int)b;
     i = i < 0 ? 0 : i > last - 1 ? last - 1 : i;
@@ -76,38 +76,51 @@ static void cell_at(int texels_per_edge, const sheen_hit *hit, int ij[3][2], flo
         else
             j = last - 1 - i;
     }
-    const float fi = a - (float)i, fj = b - (float)j;
-    if (fi + fj <= 1 || i + j == last - 1) {
-        const float over = fi + fj > 1 ? 1 / (fi + fj) : 1;
-        const int upright[3][2] = {{i, j}, {i + 1, j}, {i, j + 1}};
-        memcpy(ij, upright, sizeof upright);
+    const float fi = a - (float)i, fj = b - (float)j, f = fi + fj;
+    const size_t at = hit->triangle * sheen_texels_per_triangle(T) + sheen_texel_index(T, i, j);
+    const size_t above = at + (size_t)(T - j); // (i, j + 1)
+    texel[1] = at + 1;
+    texel[2] = above;
+    if (f <= 1 || i + j == last - 1) { // upright
+        const float over = f > 1 ? 1 / f : 1;
+        texel[0] = at;
         weight[1] = fi * over;
         weight[2] = fj * over;
         weight[0] = 1 - weight[1] - weight[2];
-    } else {
-        const int turned[3][2] = {{i + 1, j + 1}, {i, j + 1}, {i + 1, j}};
-        memcpy(ij, turned, sizeof turned);
-        weight[0] = fi + fj - 1;
-        weight[1] = 1 - fi;
-        weight[2] = 1 - fj;
+    } else { // upside down
+        texel[0] = above + 1;
+        weight[0] = f - 1;
+        weight[1] = 1 - fj;
+        weight[2] = 1 - fi;
     }
 }
 
-float sheen_texture_sample(const sheen_texture *t, const sheen_hit *hit, float rgb[3])
+// Mean of three texels, those that were never seen left out.
+static float mean_of_seen(const sheen_texture *t, const size_t texel[3], const float weight[3], float rgb[3])
 {
-    int ij[3][2];
-    float weight[3], sum[3] = {0, 0, 0}, seen = 0;
-    cell_at(t->texels_per_edge, hit, ij, weight);
-    const size_t first = hit->triangle * sheen_texels_per_triangle(t->texels_per_edge);
+    float sum[3] = {0, 0, 0}, seen = 0;
     for (int c = 0; c < 3; c++) {
-        const size_t texel = first + sheen_texel_index(t->texels_per_edge, ij[c][0], ij[c][1]);
-        if (!t->n_views[texel] || !(weight[c] > 0))
+        if (!t->n_views[texel[c]] || !(weight[c] > 0))
             continue;
         seen += weight[c];
         for (int k = 0; k < 3; k++)
-            sum[k] += weight[c] * t->rgb[3 * texel + (size_t)k];
+            sum[k] += weight[c] * t->rgb[3 * texel[c] + (size_t)k];
     }
     for (int k = 0; k < 3; k++)
         rgb[k] = seen > 0 ? sum[k] / seen : 0;
     return seen < 1 ? seen : 1;
+}
+
+float sheen_texture_sample(const sheen_texture *t, const sheen_hit *hit, float rgb[3])
+{
+    size_t texel[3];
+    float weight[3];
+    cell_at(t, hit, texel, weight);
+    const uint8_t *views = t->n_views;
+    if (!views[texel[0]] || !views[texel[1]] || !views[texel[2]])
+        return mean_of_seen(t, texel, weight, rgb);
+    const float *a = t->rgb + 3 * texel[0], *b = t->rgb + 3 * texel[1], *c = t->rgb + 3 * texel[2];
+    for (int k = 0; k < 3; k++)
+        rgb[k] = weight[0] * a[k] + weight[1] * b[k] + weight[2] * c[k];
+    return 1;
 }

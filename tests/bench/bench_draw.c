@@ -21,6 +21,7 @@ typedef struct job {
     sheen_camera cam;
     double rt_cam_obj[6];
     sheen_gbuffer g;
+    sheen_layers layers;
     int samples, reference;
 } job;
 
@@ -63,13 +64,12 @@ static void run_gbuffer(void *self)
 
 static void run_draw(void *self)
 {
-    const job *j = self;
-    sheen_layers l;
-    const sheen_draw_options o = {.samples_per_side = j->samples, .n_threads = 1};
-    if (sheen_draw(&l, j->d, &j->cam, j->rt_cam_obj, NULL, &o, NULL))
+    job *j = self;
+    const sheen_draw_options o = {
+        .layers = SHEEN_LAYER_COMPOSITE, .samples_per_side = j->samples, .n_threads = 1};
+    if (sheen_redraw(&j->layers, j->d, &j->cam, j->rt_cam_obj, NULL, &o, NULL))
         abort();
-    bench_keep((double)l.composite.data[0]);
-    sheen_layers_release(&l);
+    bench_keep((double)j->layers.composite.data[0]);
 }
 
 static void fill_model(sheen_model *m)
@@ -129,6 +129,7 @@ int main(void)
             }
         }
     }
+    sheen_layers_release(&j.layers);
     sheen_gbuffer_release(&j.g);
     sheen_scene_free(&j.scene);
     sheen_model_release(&j.m);

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// draw_tile.c - texture and specular reflection of a square of samples.
+//
+// Interpolated normals turn away from the camera near outlines, where eq. (7) has no answer: there a normal
+// is bent towards the camera until its cosine is MIN_FACING, so that highlights run on to the outline instead
+// of breaking off in black speckles. A triangle seen from behind (the inside of an open mesh) has no specular
+// part.
+//
+// A model of lights alone takes its samples' sum together (lobe_block.h); one with shadows or mirrored
+// surroundings asks for each sample by itself (shade.h).
+#include "render/draw_tile.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/vec.h"
+
+#define MIN_FACING 0.01f
+// Light to which a sample's sum must agree with the single sum: a fiftieth of an 8-bit step.
+#define TOLERANCE_LIN 1e-4f
+
+void sheen_tile_gather(sheen_tile *tile, const sheen_gbuffer *g, int x0, int y0, int side)
+{
+    const int columns = g->width_px * g->samples_per_side, rows = g->height_px * g->samples_per_side;
+    tile->count = 0;
+    unsigned n = 1;
+    while (n < (unsigned)(side * side)) // the next square of a power of two
+        n *= 4;
+    for (unsigned i = 0; i < n; i++) {
+        // Morton's order: x has the even bits of i, y the odd ones.
+        const int x = (int)((i & 1) | (i >> 1 & 2) | (i >> 2 & 4) | (i >> 3 & 8));
+        const int y = (int)((i >> 1 & 1) | (i >> 2 & 2) | (i >> 3 & 4) | (i >> 4 & 8));
+        if (x >= side || y >= side || x0 + x >= columns || y0 + y >= rows)
+            continue;
+        const sheen_hit *hit = g->hits + (size_t)(y0 + y) * (size_t)columns + (size_t)(x0 + x);
+        if (hit->triangle == SHEEN_NO_HIT)
+            continue;
+        tile->hits[tile->count] = hit;
+        tile->x[tile->count] = (uint8_t)x;
+        tile->y[tile->count++] = (uint8_t)y;
+    }
+}
+
+void sheen_tile_diffuse(sheen_tile *tile, const sheen_texture *texture)
+{
+    for (int i = 0; i < tile->count; i++)
+        tile->hole[i] = sheen_texture_sample(texture, tile->hits[i], tile->diffuse[i]) <= 0;
+}
+
+static bool seen_from_behind(const sheen_mesh *mesh, uint32_t triangle, const float v_obj[3])
+{
+    const uint32_t *corner = mesh->triangles + 3 * (size_t)triangle;
+    const float *p = mesh->p_obj + 3 * (size_t)corner[0];
+    float a[3], b[3], n[3];
+    sheen_subf(a, mesh->p_obj + 3 * (size_t)corner[1], p);
+    sheen_subf(b, mesh->p_obj + 3 * (size_t)corner[2], p);
+    sheen_crossf(n, a, b);
+    return sheen_dotf(n, v_obj) < 0;
+}
+
+// The nearest direction to n whose cosine with v is MIN_FACING: its part across v stays, its length is made
+// up. False where there is no specular part.
+static bool turn_to_camera(float n_obj[3], const float v_obj[3], float facing, const sheen_mesh *mesh,
+                           uint32_t triangle)
+{
+    float across[3];
+    if (seen_from_behind(mesh, triangle, v_obj))
+        return false;
+    for (int k = 0; k < 3; k++)
+        across[k] = n_obj[k] - facing * v_obj[k];
+    if (!(sheen_normalizef(across) > 0))
+        return false;
+    const float side = sqrtf(1 - MIN_FACING * MIN_FACING);
+    for (int k = 0; k < 3; k++)
+        n_obj[k] = side * across[k] + MIN_FACING * v_obj[k];
+    return true;
+}
+
+// Normals and directions to the camera of all samples, in frame obj.
+static void surface(sheen_lobe_block *b, float facing[SHEEN_TILE_SAMPLES], const sheen_tile *tile,
+                    const sheen_mesh *mesh, const double p_camera_obj[3])
+{
+    const float camera[3] = {(float)p_camera_obj[0], (float)p_camera_obj[1], (float)p_camera_obj[2]};
+    for (int i = 0; i < tile->count; i++) {
+        const sheen_hit *hit = tile->hits[i];
+        const uint32_t *corner = mesh->triangles + 3 * (size_t)hit->triangle;
+        const float b0 = 1 - hit->b1 - hit->b2, b1 = hit->b1, b2 = hit->b2;
+        const float *n0 = mesh->n_obj + 3 * (size_t)corner[0], *p0 = mesh->p_obj + 3 * (size_t)corner[0];
+        const float *n1 = mesh->n_obj + 3 * (size_t)corner[1], *p1 = mesh->p_obj + 3 * (size_t)corner[1];
+        const float *n2 = mesh->n_obj + 3 * (size_t)corner[2], *p2 = mesh->p_obj + 3 * (size_t)corner[2];
+        b->nx[i] = b0 * n0[0] + b1 * n1[0] + b2 * n2[0];
+        b->ny[i] = b0 * n0[1] + b1 * n1[1] + b2 * n2[1];
+        b->nz[i] = b0 * n0[2] + b1 * n1[2] + b2 * n2[2];
+        b->vx[i] = camera[0] - (b0 * p0[0] + b1 * p1[0] + b2 * p2[0]);
+        b->vy[i] = camera[1] - (b0 * p0[1] + b1 * p1[1] + b2 * p2[1]);
+        b->vz[i] = camera[2] - (b0 * p0[2] + b1 * p1[2] + b2 * p2[2]);
+    }
+    b->count = tile->count;
+    const int count = tile->count;
+#pragma omp simd
+    for (int i = 0; i < count; i++) {
+        const float n2 = b->nx[i] * b->nx[i] + b->ny[i] * b->ny[i] + b->nz[i] * b->nz[i];
+        const float v2 = b->vx[i] * b->vx[i] + b->vy[i] * b->vy[i] + b->vz[i] * b->vz[i];
+        const float n_scale = 1 / sqrtf(n2 + 1e-30f), v_scale = 1 / sqrtf(v2 + 1e-30f);
+        b->nx[i] *= n_scale;
+        b->ny[i] *= n_scale;
+        b->nz[i] *= n_scale;
+        b->vx[i] *= v_scale;
+        b->vy[i] *= v_scale;
+        b->vz[i] *= v_scale;
+        facing[i] = b->nx[i] * b->vx[i] + b->ny[i] * b->vy[i] + b->nz[i] * b->vz[i];
+    }
+}
+
+// Turns normals at outlines. dark[i]: the sample has no specular part.
+static void mend_outline(sheen_lobe_block *b, bool dark[SHEEN_TILE_SAMPLES],
+                         const float facing[SHEEN_TILE_SAMPLES], const sheen_tile *tile,
+                         const sheen_mesh *mesh)
+{
+    for (int i = 0; i < tile->count; i++) {
+        dark[i] = false;
+        if (facing[i] >= MIN_FACING)
+            continue;
+        float n[3] = {b->nx[i], b->ny[i], b->nz[i]};
+        const float v[3] = {b->vx[i], b->vy[i], b->vz[i]};
+        dark[i] = !turn_to_camera(n, v, facing[i], mesh, tile->hits[i]->triangle);
+        b->nx[i] = n[0];
+        b->ny[i] = n[1];
+        b->nz[i] = n[2];
+    }
+}
+
+static void turn_to_world(float *x, float *y, float *z, int n, const float R[3][3])
+{
+#pragma omp simd
+    for (int i = 0; i < n; i++) {
+        const float a = x[i], b = y[i], c = z[i];
+        x[i] = R[0][0] * a + R[0][1] * b + R[0][2] * c;
+        y[i] = R[1][0] * a + R[1][1] * b + R[1][2] * c;
+        z[i] = R[2][0] * a + R[2][1] * b + R[2][2] * c;
+    }
+}
+
+// One sample after another: shadows, and what is mirrored besides the lights.
+static void shade_each(sheen_tile *tile, const sheen_lobe_block *b, const bool *dark, const sheen_shading *s,
+                       const double p_camera_obj[3])
+{
+    for (int i = 0; i < tile->count; i++) {
+        const float n[3] = {b->nx[i], b->ny[i], b->nz[i]}, v[3] = {b->vx[i], b->vy[i], b->vz[i]};
+        float p[3];
+        sheen_hit_surface(&s->model->mesh, tile->hits[i], p_camera_obj, p, NULL, NULL);
+        memset(tile->specular[i], 0, sizeof tile->specular[i]);
+        if (!dark[i])
+            sheen_shade(tile->specular[i], s, p, n, v);
+    }
+}
+
+static void shade_together(sheen_tile *tile, sheen_lobe_block *b, const bool *dark, const sheen_shading *s)
+{
+    float rgb[3], most = 0;
+    for (int c = 0; c < 3; c++) {
+        rgb[c] = (float)(s->model->k_s * s->model->light_rgb[c]);
+        most = fmaxf(most, rgb[c]);
+    }
+    turn_to_world(b->nx, b->ny, b->nz, b->count, s->R_world_obj);
+    turn_to_world(b->vx, b->vy, b->vz, b->count, s->R_world_obj);
+    sheen_lobe_block_sum(b, s->cells, TOLERANCE_LIN / fmaxf(most, 1e-6f));
+    for (int i = 0; i < tile->count; i++)
+        for (int c = 0; c < 3; c++)
+            tile->specular[i][c] = dark[i] ? 0 : rgb[c] * b->sum[i];
+}
+
+void sheen_tile_specular(sheen_tile *tile, const sheen_shading *s, const double p_camera_obj[3])
+{
+    sheen_lobe_block b;
+    float facing[SHEEN_TILE_SAMPLES];
+    bool dark[SHEEN_TILE_SAMPLES];
+    surface(&b, facing, tile, &s->model->mesh, p_camera_obj);
+    mend_outline(&b, dark, facing, tile, &s->model->mesh);
+    if (s->model->shadows || s->model->surroundings.present)
+        shade_each(tile, &b, dark, s, p_camera_obj);
+    else
+        shade_together(tile, &b, dark, s);
+}

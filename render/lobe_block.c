@@ -1,0 +1,435 @@
+// SPDX-License-Identifier: Apache-2.0
+// lobe_block.c - the lobe's sum over many neighbouring samples.
+//
+// A narrow lobe reaches few lights. Sixteen samples whose mirror directions lie together share one list of
+// them, and a vector holds one light's terms at all of them.
+//
+// A wide lobe reaches hundreds of lights, but is then smooth over many pixels. For a group of samples about their mean normal n0 and view direction v0,
+//
+//     S(n, v) = sum_l w_l e^{E_l},  E = -alpha^2 / (2 sigma^2) = -P(x) / (2 sigma^2),  x = 1 - c,  c = n.h,
+//
+// with P as in lobe_math.h. c is linear in n, and dc/dv = (n - c h) / |l + v|. One pass over the lights sums
+// S, its gradients in n (two tangents) and v, and its second derivatives in n. These give the expansion
+//
+//     ln S = ln S0 + g.d + d'H d / 2,
+//
+// exact for one light up to the third order of the angles, and for many where they act as one lobe or none.
+// Lights that only part of the group has above its horizon are left out and added sample by sample. The result
+// is checked against the sum itself at the four samples whose normals lie farthest out; a group that fails, or
+// whose normals differ by more than SPREAD_SIGMA sigma, is cut in four.
+#include "render/lobe_block.h"
+
+#include <assert.h>
+#include <math.h>
+
+#include "render/light_cells.h"
+#include "render/lobe_math.h"
+
+// Below so many samples, or so many lights, summing each is cheaper than expanding.
+enum { LEAST_SAMPLES = 6, LEAST_LIGHTS = 48, MAX_HORIZON = 256, LANES = 16 };
+#define SPREAD_SIGMA 0.7f
+#define RELATIVE_TOLERANCE 1e-3f
+#define LOG2_E 1.442695041f
+// Lists of a drawing's cells reach further by this.
+#define MARGIN_SIGMA 3.0f
+// Widest lobe of which 5 sigma end before the polynomial of sine2_alpha2 does.
+#define NARROW_SIGMA_RAD 0.17f
+
+// The samples [begin, end) of a block, and the expansion about their mean.
+typedef struct group {
+    int begin, end;
+    int extreme[4];                             // samples: the farthest along and against both tangents
+    float n0[3], v0[3], across1[3], across2[3]; // the last two span n0's tangent plane
+    float spread;                               // greatest |n - n0|
+} group;
+
+typedef struct sums {
+    float s, g1, g2, vx, vy, vz, h11, h12, h22;
+    float horizon; // sum of the terms, left out of the others, whose light some samples may have below them
+} sums;
+
+static void mean_of(float out[3], const float *x, const float *y, const float *z, int begin, int end)
+{
+    out[0] = out[1] = out[2] = 0;
+    for (int i = begin; i < end; i++) {
+        out[0] += x[i];
+        out[1] += y[i];
+        out[2] += z[i];
+    }
+    sheen_normalizef(out);
+}
+
+static group group_of(const sheen_lobe_block *b, int begin, int end)
+{
+    group g = {.begin = begin, .end = end};
+    mean_of(g.n0, b->nx, b->ny, b->nz, begin, end);
+    mean_of(g.v0, b->vx, b->vy, b->vz, begin, end);
+    // Any vector that is not along n0 serves for the tangents.
+    const float other[3] = {fabsf(g.n0[0]) < 0.6f ? 1.0f : 0.0f, fabsf(g.n0[0]) < 0.6f ? 0.0f : 1.0f, 0};
+    sheen_crossf(g.across1, g.n0, other);
+    sheen_normalizef(g.across1);
+    sheen_crossf(g.across2, g.n0, g.across1);
+    float spread2 = 0, most[4] = {-1, -1, -1, -1};
+    for (int i = begin; i < end; i++) {
+        const float d[3] = {b->nx[i] - g.n0[0], b->ny[i] - g.n0[1], b->nz[i] - g.n0[2]};
+        const float d1 = sheen_dotf(d, g.across1), d2 = sheen_dotf(d, g.across2), length2 = sheen_dotf(d, d);
+        const float along[4] = {d1, -d1, d2, -d2};
+        spread2 = length2 > spread2 ? length2 : spread2;
+        for (int k = 0; k < 4; k++)
+            if (along[k] > most[k]) {
+                most[k] = along[k];
+                g.extreme[k] = i;
+            }
+    }
+    g.spread = sqrtf(spread2);
+    return g;
+}
+
+// P'(x) and P''(x) of lobe_alpha2; to 1e-5, which is enough for derivatives.
+SHEEN_KERNEL_INLINE void slopes_of(float *first, float *second, float x, int fused)
+{
+    float p = 6.451978477e-2f;
+    p = mad(p, x, -6.35801412e-2f, fused);
+    p = mad(p, x, 1.085629239e-1f, fused);
+    p = mad(p, x, 9.638229544e-2f, fused);
+    p = mad(p, x, 2.690728304e-1f, fused);
+    p = mad(p, x, 6.6656062e-1f, fused);
+    *first = mad(p, x, 2.000000567f, fused);
+    float q = 3.871187086e-1f;
+    q = mad(q, x, -3.17900706e-1f, fused);
+    q = mad(q, x, 4.342516956e-1f, fused);
+    q = mad(q, x, 2.891468863e-1f, fused);
+    q = mad(q, x, 5.381456608e-1f, fused);
+    *second = mad(q, x, 6.6656062e-1f, fused);
+}
+
+SHEEN_KERNEL_INLINE sums expand(const group *g, const sheen_lights *lights, float sigma_rad, int fused)
+{
+    const float *restrict dx = lights->dx;
+    const float *restrict dy = lights->dy;
+    const float *restrict dz = lights->dz;
+    const float *restrict weight = lights->weight;
+    const float nx = g->n0[0], ny = g->n0[1], nz = g->n0[2], vx = g->v0[0], vy = g->v0[1], vz = g->v0[2];
+    const float ax = g->across1[0], ay = g->across1[1], az = g->across1[2];
+    const float bx = g->across2[0], by = g->across2[1], bz = g->across2[2];
+    const float half = 0.5f / (sigma_rad * sigma_rad), spread = g->spread;
+    float s = 0, g1 = 0, g2 = 0, sx = 0, sy = 0, sz = 0, h11 = 0, h12 = 0, h22 = 0, horizon = 0;
+#pragma omp simd reduction(+ : s, g1, g2, sx, sy, sz, h11, h12, h22, horizon)
+    for (size_t i = 0; i < lights->count; i++) {
+        const float lx = dx[i], ly = dy[i], lz = dz[i];
+        const float n_dot_l = mad(nx, lx, mad(ny, ly, nz * lz, fused), fused);
+        float hx = lx + vx, hy = ly + vy, hz = lz + vz;
+        const float h2 = mad(hx, hx, mad(hy, hy, mad(hz, hz, 1e-12f, fused), fused), fused);
+        const float inv_h = 1.0f / sqrtf(h2);
+        hx *= inv_h;
+        hy *= inv_h;
+        hz *= inv_h;
+        const float ex = nx - hx, ey = ny - hy, ez = nz - hz;
+        const float x = 0.5f * mad(ex, ex, mad(ey, ey, ez * ez, fused), fused), c = 1 - x;
+        const float all = weight[i] * exp2_minus(alpha2_of(x, fused) * (half * LOG2_E), fused);
+        const float above = n_dot_l > spread ? 1.0f : 0.0f, below = n_dot_l < -spread ? 1.0f : 0.0f;
+        const float term = above * all;
+        float p1, p2;
+        slopes_of(&p1, &p2, x, fused);
+        const float k = half * p1, m = half * p2, tk = term * k; // dE/dc = k, d2E/dc2 = -m
+        const float h1 = mad(ax, hx, mad(ay, hy, az * hz, fused), fused);
+        const float hb = mad(bx, hx, mad(by, hy, bz * hz, fused), fused);
+        const float bend = term * (k * k - m);
+        s += term;
+        g1 = mad(tk, h1, g1, fused);
+        g2 = mad(tk, hb, g2, fused);
+        const float tv = tk * inv_h;
+        sx = mad(tv, mad(-c, hx, nx, fused), sx, fused);
+        sy = mad(tv, mad(-c, hy, ny, fused), sy, fused);
+        sz = mad(tv, mad(-c, hz, nz, fused), sz, fused);
+        // n runs on a sphere: along the tangent plane it also sinks by d^2 / 2, and c by c d^2 / 2.
+        h11 += mad(bend * h1, h1, -tk * c, fused);
+        h12 = mad(bend * h1, hb, h12, fused);
+        h22 += mad(bend * hb, hb, -tk * c, fused);
+        horizon = mad(1 - above - below, all, horizon, fused);
+    }
+    return (sums){s, g1, g2, sx, sy, sz, h11, h12, h22, horizon};
+}
+
+// S at every sample of the group by the expansion.
+SHEEN_KERNEL_INLINE void extrapolate(sheen_lobe_block *b, const group *g, const sums *at, int fused)
+{
+    const float over = 1 / at->s;
+    const float g1 = at->g1 * over, g2 = at->g2 * over;
+    const float gx = at->vx * over, gy = at->vy * over, gz = at->vz * over;
+    const float h11 = 0.5f * (at->h11 * over - g1 * g1), h12 = at->h12 * over - g1 * g2,
+                h22 = 0.5f * (at->h22 * over - g2 * g2);
+    const float most = 16; // a sum that grows by more within a group fails the check
+    const float scale = at->s * (float)(1 << 16);
+#pragma omp simd
+    for (int i = g->begin; i < g->end; i++) {
+        const float dx = b->nx[i] - g->n0[0], dy = b->ny[i] - g->n0[1], dz = b->nz[i] - g->n0[2];
+        const float d1 = g->across1[0] * dx + g->across1[1] * dy + g->across1[2] * dz;
+        const float d2 = g->across2[0] * dx + g->across2[1] * dy + g->across2[2] * dz;
+        const float dv = gx * (b->vx[i] - g->v0[0]) + gy * (b->vy[i] - g->v0[1]) + gz * (b->vz[i] - g->v0[2]);
+        const float exponent = dv + d1 * (g1 + h11 * d1 + h12 * d2) + d2 * (g2 + h22 * d2);
+        const float below = most - exponent * LOG2_E;
+        b->sum[i] = scale * exp2_minus(below > 0 ? below : 0, fused);
+    }
+}
+
+SHEEN_KERNEL_INLINE float sum_at(const sheen_lobe_block *b, int i, const sheen_light_cells *cells, int fused)
+{
+    const float n[3] = {b->nx[i], b->ny[i], b->nz[i]}, v[3] = {b->vx[i], b->vy[i], b->vz[i]};
+    float r[3];
+    sheen_mirrorf(r, n, v);
+    const sheen_lights near = sheen_lights_near(cells, r);
+    return near.count ? lobe_sum(&near, n, v, cells->sigma_rad, fused) : 0;
+}
+
+// Adds the lights which some of the group's normals have below their horizon and some above; 0: too many.
+SHEEN_KERNEL_INLINE int add_horizon(sheen_lobe_block *b, const group *g, const sheen_lights *near,
+                                    float sigma_rad, int fused)
+{
+    float dx[MAX_HORIZON], dy[MAX_HORIZON], dz[MAX_HORIZON], weight[MAX_HORIZON];
+    sheen_lights some = {dx, dy, dz, weight, 0};
+    for (size_t i = 0; i < near->count; i++) {
+        const float l[3] = {near->dx[i], near->dy[i], near->dz[i]};
+        if (fabsf(sheen_dotf(g->n0, l)) > g->spread)
+            continue;
+        if (some.count == MAX_HORIZON)
+            return 0;
+        dx[some.count] = l[0];
+        dy[some.count] = l[1];
+        dz[some.count] = l[2];
+        weight[some.count++] = near->weight[i];
+    }
+    for (; some.count % LANES; some.count++) { // whole vectors
+        dx[some.count] = dy[some.count] = weight[some.count] = 0;
+        dz[some.count] = 1;
+    }
+    for (int i = g->begin; i < g->end; i++) {
+        const float n[3] = {b->nx[i], b->ny[i], b->nz[i]}, v[3] = {b->vx[i], b->vy[i], b->vz[i]};
+        b->sum[i] += lobe_sum(&some, n, v, sigma_rad, fused);
+    }
+    return 1;
+}
+
+// The expansion, if it holds.
+SHEEN_KERNEL_INLINE int by_expansion(sheen_lobe_block *b, const group *g, const sheen_light_cells *cells,
+                                     float tolerance, int fused)
+{
+    if (g->spread > SPREAD_SIGMA * cells->sigma_rad)
+        return 0;
+    float r0[3];
+    sheen_mirrorf(r0, g->n0, g->v0);
+    const sheen_lights near = sheen_lights_near(cells, r0);
+    const sums at = expand(g, &near, cells->sigma_rad, fused);
+    if (!(at.s > 1e-3f * tolerance))
+        return 0;
+    extrapolate(b, g, &at, fused);
+    if (at.horizon > 0.1f * tolerance && !add_horizon(b, g, &near, cells->sigma_rad, fused))
+        return 0;
+    for (int k = 0; k < 4; k++) {
+        const float exact = sum_at(b, g->extreme[k], cells, fused);
+        if (!(fabsf(b->sum[g->extreme[k]] - exact) <= fmaxf(tolerance, RELATIVE_TOLERANCE * exact)))
+            return 0;
+    }
+    return 1;
+}
+
+SHEEN_KERNEL_INLINE void one_by_one(sheen_lobe_block *b, int begin, int end, const sheen_light_cells *cells,
+                                    int fused)
+{
+    for (int i = begin; i < end; i++)
+        b->sum[i] = sum_at(b, i, cells, fused);
+}
+
+// Whether cutting a group in four, which halves its spread, can still lead to groups worth expanding.
+static int worth_cutting(const group *g, float sigma_rad)
+{
+    float spread = 0.5f * g->spread;
+    int count = (g->end - g->begin) / 4;
+    for (; count >= LEAST_SAMPLES && spread > SPREAD_SIGMA * sigma_rad; count /= 4)
+        spread *= 0.5f;
+    return count >= LEAST_SAMPLES;
+}
+
+// Groups in a list of work, because an inlined function cannot call itself.
+SHEEN_KERNEL_INLINE void sum_wide(sheen_lobe_block *b, const sheen_light_cells *cells, float tolerance,
+                                  int fused)
+{
+    int waiting[64][2] = {{0, b->count}}, n = 1;
+    while (n) {
+        const int begin = waiting[n - 1][0], end = waiting[n - 1][1], count = end - begin;
+        n--;
+        const group g = group_of(b, begin, end);
+        if (count >= LEAST_SAMPLES && by_expansion(b, &g, cells, tolerance, fused))
+            continue;
+        if (!worth_cutting(&g, cells->sigma_rad)) {
+            one_by_one(b, begin, end, cells, fused);
+            continue;
+        }
+        for (int k = 0; k < 4; k++) {
+            waiting[n][0] = begin + count * k / 4;
+            waiting[n++][1] = begin + count * (k + 1) / 4;
+        }
+    }
+}
+
+// alpha^2 = asin(sqrt(y))^2 from y = sin(alpha)^2: relative error below 2e-6 for y <= 0.6, below 3 % beyond.
+SHEEN_KERNEL_INLINE float sine2_alpha2(float y, int fused)
+{
+    float p = 0.48885318f;
+    p = mad(p, y, -0.46701586f, fused);
+    p = mad(p, y, 0.34399691f, fused);
+    p = mad(p, y, 0.051737792f, fused);
+    p = mad(p, y, 0.18462676f, fused);
+    p = mad(p, y, 0.33305755f, fused);
+    p = mad(p, y, 1.0000018f, fused);
+    return p * y;
+}
+
+// Adds one light's terms at LANES samples. sin(alpha)^2 = |n x (l + v)|^2 / |l + v|^2 needs no root, and does
+// not cancel near the highlight.
+SHEEN_KERNEL_INLINE void add_light(float sum[LANES], const sheen_lobe_block *b, int begin, const float l[3],
+                                   float weight, float per_alpha2, int fused)
+{
+    const float *nx = b->nx + begin, *ny = b->ny + begin, *nz = b->nz + begin;
+    const float *vx = b->vx + begin, *vy = b->vy + begin, *vz = b->vz + begin;
+#pragma omp simd
+    for (int i = 0; i < LANES; i++) {
+        const float n_dot_l = mad(nx[i], l[0], mad(ny[i], l[1], nz[i] * l[2], fused), fused);
+        const float sx = l[0] + vx[i], sy = l[1] + vy[i], sz = l[2] + vz[i];
+        const float cx = mad(ny[i], sz, -nz[i] * sy, fused), cy = mad(nz[i], sx, -nx[i] * sz, fused),
+                    cz = mad(nx[i], sy, -ny[i] * sx, fused);
+        const float across2 = mad(cx, cx, mad(cy, cy, cz * cz, fused), fused);
+        const float length2 = mad(sx, sx, mad(sy, sy, mad(sz, sz, 1e-12f, fused), fused), fused);
+        const float alpha2 = sine2_alpha2(across2 / length2, fused);
+        const float lit = n_dot_l > 0.0f ? weight : 0.0f;
+        sum[i] = mad(lit, exp2_minus(alpha2 * per_alpha2, fused), sum[i], fused);
+    }
+}
+
+// The samples [begin, begin + LANES) by one list of lights; 0 where their mirror directions lie too far apart.
+SHEEN_KERNEL_INLINE int by_lights(sheen_lobe_block *b, int begin, const sheen_light_cells *cells, int fused)
+{
+    float rx[LANES], ry[LANES], rz[LANES], r0[3], farthest = 0;
+#pragma omp simd
+    for (int i = 0; i < LANES; i++) {
+        const int k = begin + i;
+        const float twice = 2 * (b->nx[k] * b->vx[k] + b->ny[k] * b->vy[k] + b->nz[k] * b->vz[k]);
+        rx[i] = twice * b->nx[k] - b->vx[k];
+        ry[i] = twice * b->ny[k] - b->vy[k];
+        rz[i] = twice * b->nz[k] - b->vz[k];
+    }
+    mean_of(r0, rx, ry, rz, 0, LANES);
+    for (int i = 0; i < LANES; i++) {
+        const float d[3] = {rx[i] - r0[0], ry[i] - r0[1], rz[i] - r0[2]}, d2 = sheen_dotf(d, d);
+        farthest = d2 > farthest ? d2 : farthest;
+    }
+    const float margin = 0.98f * cells->margin_rad; // a chord is shorter than its arc: by 1 % at 30 degrees
+    if (cells->side && !(farthest <= margin * margin && margin < 0.5f))
+        return 0;
+    const sheen_lights near = sheen_lights_near(cells, r0);
+    const float per_alpha2 = 0.5f * LOG2_E / (cells->sigma_rad * cells->sigma_rad);
+    float sum[LANES] = {0};
+    for (size_t i = 0; i < near.count; i++) {
+        const float l[3] = {near.dx[i], near.dy[i], near.dz[i]};
+        add_light(sum, b, begin, l, near.weight[i], per_alpha2, fused);
+    }
+    memcpy(b->sum + begin, sum, sizeof sum);
+    return 1;
+}
+
+// Fills the last vector up with copies of the last sample.
+static void pad(sheen_lobe_block *b)
+{
+    for (int i = b->count; i % LANES; i++) {
+        b->nx[i] = b->nx[b->count - 1];
+        b->ny[i] = b->ny[b->count - 1];
+        b->nz[i] = b->nz[b->count - 1];
+        b->vx[i] = b->vx[b->count - 1];
+        b->vy[i] = b->vy[b->count - 1];
+        b->vz[i] = b->vz[b->count - 1];
+    }
+}
+
+SHEEN_KERNEL_INLINE void sum_narrow(sheen_lobe_block *b, const sheen_light_cells *cells, int fused)
+{
+    pad(b);
+    for (int begin = 0; begin < b->count; begin += LANES)
+        if (!by_lights(b, begin, cells, fused))
+            one_by_one(b, begin, begin + LANES < b->count ? begin + LANES : b->count, cells, fused);
+}
+
+SHEEN_KERNEL_INLINE void sum_block(sheen_lobe_block *b, const sheen_light_cells *cells, float tolerance,
+                                   int fused)
+{
+    if (!b->count)
+        return;
+    const int mid = b->count / 2;
+    const float n_mid[3] = {b->nx[mid], b->ny[mid], b->nz[mid]};
+    const float v_mid[3] = {b->vx[mid], b->vy[mid], b->vz[mid]};
+    float r_mid[3];
+    sheen_mirrorf(r_mid, n_mid, v_mid);
+    if (cells->sigma_rad <= NARROW_SIGMA_RAD && sheen_lights_near(cells, r_mid).count < LEAST_LIGHTS)
+        sum_narrow(b, cells, fused);
+    else
+        sum_wide(b, cells, tolerance, fused);
+    for (int i = 0; i < b->count; i++) {
+        const float n_i[3] = {b->nx[i], b->ny[i], b->nz[i]}, v_i[3] = {b->vx[i], b->vy[i], b->vz[i]};
+        b->sum[i] = sheen_dotf(n_i, v_i) > 0 ? b->sum[i] * sheen_lobe_inverse_cos(n_i, v_i) : 0;
+    }
+}
+
+static void sum_baseline(sheen_lobe_block *b, const sheen_light_cells *cells, float tolerance)
+{
+    sum_block(b, cells, tolerance, 0);
+}
+
+#if defined(__x86_64__)
+SHEEN_TARGET_AVX2 static void sum_avx2(sheen_lobe_block *b, const sheen_light_cells *cells, float tolerance)
+{
+    sum_block(b, cells, tolerance, 1);
+}
+
+SHEEN_TARGET_AVX512 static void sum_avx512(sheen_lobe_block *b, const sheen_light_cells *cells,
+                                           float tolerance)
+{
+    sum_block(b, cells, tolerance, 1);
+}
+#endif
+
+sheen_status sheen_lobe_block_cells(sheen_light_cells **out, const sheen_lights *lights, float sigma_rad,
+                                    sheen_err *err)
+{
+    return sheen_light_cells_new_wide(out, lights, sigma_rad, MARGIN_SIGMA * sigma_rad, err);
+}
+
+void sheen_lobe_block_sum_level(sheen_lobe_block *block, const sheen_light_cells *cells, float tolerance,
+                                int level)
+{
+    assert(block->count >= 0 && block->count <= SHEEN_LOBE_BLOCK && tolerance > 0);
+#if defined(__x86_64__)
+    if (level >= SHEEN_CPU_AVX512) {
+        sum_avx512(block, cells, tolerance);
+        return;
+    }
+    if (level == SHEEN_CPU_AVX2) {
+        sum_avx2(block, cells, tolerance);
+        return;
+    }
+#endif
+    (void)level;
+    sum_baseline(block, cells, tolerance);
+}
+
+void sheen_lobe_block_sum(sheen_lobe_block *block, const sheen_light_cells *cells, float tolerance)
+{
+    sheen_lobe_block_sum_level(block, cells, tolerance, sheen_cpu_level());
+}
+
+void sheen_lobe_block_sum_ref(sheen_lobe_block *block, const sheen_light_cells *cells)
+{
+    for (int i = 0; i < block->count; i++) {
+        const float n[3] = {block->nx[i], block->ny[i], block->nz[i]};
+        const float v[3] = {block->vx[i], block->vy[i], block->vz[i]};
+        block->sum[i] = sheen_light_cells_sum(cells, n, v);
+    }
+}
