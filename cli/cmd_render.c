@@ -6,66 +6,105 @@
 #include <string.h>
 #include <strings.h>
 
-#include "base/image_file.h"
 #include "base/pose3.h"
 #include "base/pose_file.h"
 #include "cli/cli.h"
 #include "cli/commands.h"
+#include "cli/picture.h"
 #include "cli/stages.h"
 
+static const double rad_per_deg = 3.14159265358979323846 / 180;
+
 typedef struct render_args {
-    const char *poses, *output, *orbit, *view, *layer, *format;
+    const char *poses, *output, *orbit, *view, *spin, *format;
+    const char *tint, *background, *holes;
     int size_px[2];
-    double elevation_deg, distance_m, duration_s;
-    int frames_per_s, samples, n_threads;
+    double elevation_deg, distance_m, duration_s, turn_lights_deg;
+    int frames_per_s, samples, n_threads, count;
     bool black_holes;
     double look[3]; // azimuth, elevation (degrees), distance (metres)
+    double background_rgb[3];
+    sheen_cli_changes changes;
+    sheen_cli_picture picture;
 } render_args;
 
-// "AZ,EL" or "AZ,EL,DIST".
-static bool read_look(double look[3], const char *text)
+// Up to three numbers between commas; how many there were, 0: something else.
+static int read_numbers(double out[3], const char *text)
 {
-    look[2] = 0;
     for (int i = 0; i < 3; i++) {
         char *end;
-        look[i] = strtod(text, &end);
-        if (end == text || !isfinite(look[i]))
-            return false;
+        out[i] = strtod(text, &end);
+        if (end == text || !isfinite(out[i]))
+            return 0;
         if (!*end)
-            return i >= 1;
+            return i + 1;
         if (*end != ',')
-            return false;
+            return 0;
         text = end + 1;
     }
-    return false;
+    return 0;
+}
+
+static sheen_status check_colours(sheen_cli *cli, render_args *a, sheen_err *err)
+{
+    if (a->tint && (read_numbers(a->changes.tint_rgb, a->tint) != 3 || a->changes.tint_rgb[0] < 0 ||
+                    a->changes.tint_rgb[1] < 0 || a->changes.tint_rgb[2] < 0))
+        return sheen_cli_usage(cli, err, "'--tint' wants red, green and blue such as 1,0.9,0.7, not '%.40s'",
+                               a->tint);
+    a->picture.transparent = a->background && !strcmp(a->background, "none");
+    if (a->picture.transparent && a->orbit)
+        return sheen_cli_usage(cli, err, "a film cannot be transparent: give '--background' a colour");
+    if (a->background && !a->picture.transparent && read_numbers(a->background_rgb, a->background) != 3)
+        return sheen_cli_usage(
+            cli, err, "'--background' wants none, or linear red, green and blue such as 1,1,1, not '%.40s'",
+            a->background);
+    if (a->black_holes && !a->holes)
+        a->holes = "black";
+    if (a->holes && strcmp(a->holes, "mark") != 0 && strcmp(a->holes, "black") != 0 &&
+        strcmp(a->holes, "fill") != 0)
+        return sheen_cli_usage(cli, err, "'--holes' is mark, black or fill, not '%.40s'", a->holes);
+    a->changes.fill_holes = a->holes && !strcmp(a->holes, "fill");
+    return SHEEN_OK;
 }
 
 static sheen_status check(sheen_cli *cli, render_args *a, sheen_err *err)
 {
-    if (!a->poses + !a->orbit + !a->view != 2)
-        return sheen_cli_usage(cli, err,
-                               "say what to draw: one of --poses FILE, --view AZ,EL,DIST, --orbit FILE");
-    if (!a->orbit && !a->output)
+    if (!a->poses + !a->orbit + !a->view + !a->spin != 3)
+        return sheen_cli_usage(
+            cli, err, "say what to draw: one of --poses FILE, --view AZ,EL,DIST, --orbit FILE, --spin DIR");
+    if ((a->poses || a->view) && !a->output)
         return sheen_cli_usage(cli, err, "say where it goes: -o %s", a->poses ? "DIR" : "FILE");
-    if (a->view && !read_look(a->look, a->view))
+    if (a->view && (read_numbers(a->look, a->view) < 2))
         return sheen_cli_usage(
             cli, err, "'--view' wants azimuth, elevation and distance such as 30,25,0.5, not '%.40s'",
             a->view);
-    if (a->layer && strcmp(a->layer, "all") != 0 && strcmp(a->layer, "diffuse") != 0 &&
-        strcmp(a->layer, "specular") != 0)
-        return sheen_cli_usage(cli, err, "unknown layer '%.40s': use diffuse, specular or all", a->layer);
+    if (!sheen_cli_layer_known(a->picture.layer))
+        return sheen_cli_usage(cli, err,
+                               "unknown layer '%.40s': use diffuse, specular, all, depth, normal or mask",
+                               a->picture.layer);
+    if (a->orbit && sheen_cli_layer_is_geometry(a->picture.layer))
+        return sheen_cli_usage(cli, err, "a film has no layer '%s': use --poses, --view or --spin",
+                               a->picture.layer);
     if (strcmp(a->format, "png") != 0 && strcmp(a->format, "exr") != 0)
         return sheen_cli_usage(cli, err, "unknown format '%.40s': use png or exr", a->format);
-    const char *ending = a->view ? sheen_path_extension(a->output) : "png";
+    const char *ending = a->view ? sheen_path_extension(a->output) : a->format;
     if (strcasecmp(ending, "png") != 0 && strcasecmp(ending, "exr") != 0)
         return sheen_cli_usage(cli, err, "'%.100s' should end in .png or .exr", a->output);
-    return SHEEN_OK;
+    if (a->picture.layer && !strcmp(a->picture.layer, "depth") && strcasecmp(ending, "exr") != 0)
+        return sheen_cli_usage(cli, err, "depth in metres wants an .exr%s",
+                               a->view ? "" : ": add --format exr");
+    return check_colours(cli, a, err);
 }
 
 static sheen_status parse(sheen_cli *cli, render_args *a, sheen_err *err)
 {
-    *a = (render_args){
-        .format = "png", .elevation_deg = 25, .duration_s = 6, .frames_per_s = 30, .samples = 2};
+    *a = (render_args){.format = "png",
+                       .elevation_deg = 25,
+                       .duration_s = 6,
+                       .frames_per_s = 30,
+                       .samples = 2,
+                       .count = 36,
+                       .changes = {.k_s_factor = 1, .tint_rgb = {1, 1, 1}}};
     const sheen_option options[] = {
         {"poses", 0, SHEEN_OPTION_TEXT, &a->poses, "FILE",
          "from these poses and cameras: transforms.json, a COLMAP\ntext model's folder, poses.json; in the "
@@ -77,34 +116,44 @@ static sheen_status parse(sheen_cli *cli, render_args *a, sheen_err *err)
          "object fills the picture)",
          0, 0},
         {"orbit", 0, SHEEN_OPTION_TEXT, &a->orbit, "FILE", "a film once about the object: .mp4, .webm", 0, 0},
+        {"spin", 0, SHEEN_OPTION_TEXT, &a->spin, "DIR",
+         "stills once about the object, with index.json and a\npage that turns them", 0, 0},
+        {"count", 0, SHEEN_OPTION_INT, &a->count, "N", "stills of --spin (default: 36)", 2, 3600},
         {"output", 'o', SHEEN_OPTION_TEXT, &a->output, "PATH",
          "of --view: the picture, .png (sRGB) or .exr (linear);\nof --poses: a folder of <pose's name>.png",
          0, 0},
-        {"layer", 0, SHEEN_OPTION_TEXT, &a->layer, "NAME", "diffuse, specular, or all (default)", 0, 0},
-        {"format", 0, SHEEN_OPTION_TEXT, &a->format, "NAME", "of --poses: png (default) or exr", 0, 0},
+        {"layer", 0, SHEEN_OPTION_TEXT, &a->picture.layer, "NAME",
+         "all (default), diffuse, specular, mask, normal (camera\naxes), depth (metres along the optical "
+         "axis; .exr)",
+         0, 0},
+        {"format", 0, SHEEN_OPTION_TEXT, &a->format, "NAME", "of --poses, --spin: png (default) or exr", 0,
+         0},
         {"size", 0, SHEEN_OPTION_SIZE, a->size_px, "WxH", "default: the camera's", 16, 16384},
-        {"elevation", 0, SHEEN_OPTION_NUMBER, &a->elevation_deg, "DEG", "of --orbit (default: 25)", -89, 89},
+        {"background", 0, SHEEN_OPTION_TEXT, &a->background, "COLOUR",
+         "none (transparent), or linear red,green,blue", 0, 0},
+        {"holes", 0, SHEEN_OPTION_TEXT, &a->holes, "HOW",
+         "surface that no photograph saw: mark (magenta, the\ndefault), black, or fill from what lies around "
+         "it",
+         0, 0},
+        {"turn-lights", 0, SHEEN_OPTION_NUMBER, &a->turn_lights_deg, "DEG",
+         "turn the lights about the board's z, counter-clockwise", -360, 360},
+        {"k-s", 0, SHEEN_OPTION_NUMBER, &a->changes.k_s_factor, "FACTOR",
+         "highlights' strength, as a multiple of the fitted one", 0, 1000},
+        {"sigma", 0, SHEEN_OPTION_NUMBER, &a->changes.sigma_rad, "RAD", "another roughness", 1e-3, 1.5},
+        {"tint", 0, SHEEN_OPTION_TEXT, &a->tint, "R,G,B", "times the highlights' colour", 0, 0},
+        {"elevation", 0, SHEEN_OPTION_NUMBER, &a->elevation_deg, "DEG", "of --orbit, --spin (default: 25)",
+         -89, 89},
         {"distance", 0, SHEEN_OPTION_NUMBER, &a->distance_m, "M",
-         "of --orbit (default: the object fills the picture)", 1e-3, 1e3},
+         "of --orbit, --spin (default: the object fills the picture)", 1e-3, 1e3},
         {"seconds", 0, SHEEN_OPTION_NUMBER, &a->duration_s, "S", "of --orbit (default: 6)", 0.1, 600},
         {"fps", 0, SHEEN_OPTION_INT, &a->frames_per_s, "N", "of --orbit (default: 30)", 1, 120},
         {"samples", 0, SHEEN_OPTION_INT, &a->samples, "N", "N x N samples a pixel (default: 2)", 1, 8},
-        {"black-holes", 0, SHEEN_OPTION_FLAG, &a->black_holes, NULL,
-         "leave surface that no photograph saw black; it is\nmarked magenta otherwise", 0, 0},
+        {"black-holes", 0, SHEEN_OPTION_FLAG, &a->black_holes, NULL, "the same as --holes black", 0, 0},
         {"threads", 0, SHEEN_OPTION_INT, &a->n_threads, "N", "default: one a processor", 1, 1024},
         {0},
     };
     const sheen_status s = sheen_cli_parse(cli, options, 1, 1, err);
     return s || cli->wants_help ? s : check(cli, a, err);
-}
-
-// Picture by its ending: sRGB or linear.
-static sheen_status save(const sheen_layers *l, const render_args *a, const char *path, sheen_err *err)
-{
-    const sheen_image *img = sheen_cli_layer(l, a->layer);
-    if (!strcasecmp(sheen_path_extension(path), "exr"))
-        return sheen_exr_write(path, img, NULL, true, err);
-    return sheen_png_write_srgb(path, img, err);
 }
 
 static void say_made(sheen_cli *cli, const char *path, size_t n_pictures)
@@ -118,14 +167,12 @@ static void say_made(sheen_cli *cli, const char *path, size_t n_pictures)
 static sheen_status render_view(sheen_cli *cli, const sheen_cli_view *v, const render_args *a, sheen_err *err)
 {
     sheen_camera cam;
-    sheen_layers layers;
+    double rt_cam_obj[6];
     sheen_status st = sheen_cli_view_pinhole(&cam, v, a->size_px, err);
     if (!st)
-        st = sheen_cli_view_look(&layers, v, &cam, a->look[0], a->look[1], a->look[2], err);
-    if (st)
-        return st;
-    st = save(&layers, a, a->output, err);
-    sheen_layers_release(&layers);
+        st = sheen_cli_view_pose(rt_cam_obj, v, &cam, a->look, err);
+    if (!st)
+        st = sheen_cli_picture_save(&a->picture, v, &cam, rt_cam_obj, a->output, err);
     if (!st)
         say_made(cli, a->output, 1);
     return st;
@@ -157,19 +204,12 @@ static sheen_status render_pose(sheen_cli *cli, const sheen_cli_view *v, const s
     char name[160], path[SHEEN_PATH_MAX];
     double rt_cam_obj[6];
     sheen_camera cam;
-    sheen_layers layers;
     snprintf(name, sizeof name, "%s.%s", view->name, a->format);
     sheen_rt_compose(rt_cam_obj, view->rt_cam_world, v->rt_board_obj);
     sheen_status st = sheen_path_join(path, a->output, name, err);
     if (!st)
         st = camera_of(&cam, cli, v, file, view, a, err);
-    if (!st)
-        st = sheen_cli_view_draw(&layers, v, &cam, rt_cam_obj, err);
-    if (st)
-        return st;
-    st = save(&layers, a, path, err);
-    sheen_layers_release(&layers);
-    return st;
+    return st ? st : sheen_cli_picture_save(&a->picture, v, &cam, rt_cam_obj, path, err);
 }
 
 static sheen_status render_poses(sheen_cli *cli, const sheen_cli_view *v, const render_args *a,
@@ -199,11 +239,36 @@ static sheen_status render_orbit(sheen_cli *cli, const sheen_cli_view *v, const 
                                .distance_m = a->distance_m,
                                .duration_s = a->duration_s,
                                .frames_per_s = a->frames_per_s,
-                               .layer = a->layer};
+                               .layer = a->picture.layer};
     const sheen_status st = sheen_cli_orbit_film(v, a->orbit, &o, progress, err);
     if (!st)
         say_made(cli, a->orbit, (size_t)fmax(1, round(a->duration_s * a->frames_per_s)));
     return st;
+}
+
+static sheen_status render_spin(sheen_cli *cli, const sheen_cli_view *v, const render_args *a,
+                                const sheen_progress *progress, sheen_err *err)
+{
+    const sheen_cli_spin spin = {.size_px = {a->size_px[0], a->size_px[1]},
+                                 .elevation_deg = a->elevation_deg,
+                                 .distance_m = a->distance_m,
+                                 .count = a->count,
+                                 .format = a->format,
+                                 .picture = a->picture};
+    const sheen_status st = sheen_cli_spin_save(v, a->spin, &spin, progress, err);
+    if (!st)
+        say_made(cli, a->spin, (size_t)a->count);
+    return st;
+}
+
+static sheen_status draw(sheen_cli *cli, const sheen_cli_view *v, const render_args *a, sheen_err *err)
+{
+    const sheen_progress progress = sheen_cli_progress(cli);
+    if (a->view)
+        return render_view(cli, v, a, err);
+    if (a->poses)
+        return render_poses(cli, v, a, &progress, err);
+    return a->spin ? render_spin(cli, v, a, &progress, err) : render_orbit(cli, v, a, &progress, err);
 }
 
 static sheen_status run(sheen_cli *cli, sheen_err *err)
@@ -214,7 +279,6 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
     sheen_status st = parse(cli, &a, err);
     if (st || cli->wants_help)
         return st;
-    const sheen_progress progress = sheen_cli_progress(cli);
     st = sheen_session_open(&s, cli->args[0], err);
     if (st)
         return st;
@@ -222,12 +286,13 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
     if (!st) {
         v.options.samples_per_side = a.samples;
         v.options.n_threads = a.n_threads;
-        v.options.mark_holes = !a.black_holes;
-        if (a.view)
-            st = render_view(cli, &v, &a, err);
-        else
-            st = a.poses ? render_poses(cli, &v, &a, &progress, err)
-                         : render_orbit(cli, &v, &a, &progress, err);
+        v.options.mark_holes = !a.holes || !strcmp(a.holes, "mark");
+        v.turn_lights_rad = a.turn_lights_deg * rad_per_deg;
+        for (int c = 0; c < 3 && a.background; c++)
+            v.options.background_rgb[c] = (float)a.background_rgb[c];
+        st = sheen_cli_view_change(&v, &a.changes, err);
+        if (!st)
+            st = draw(cli, &v, &a, err);
         sheen_cli_view_close(&v);
     }
     sheen_session_release(&s);
@@ -236,12 +301,14 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
 
 const sheen_command sheen_cmd_render = {
     .name = "render",
-    .synopsis = "SESSION --poses FILE -o DIR | --view AZ,EL,DIST -o FILE | --orbit FILE [options]",
+    .synopsis =
+        "SESSION --poses FILE -o DIR | --view AZ,EL,DIST -o FILE | --orbit FILE | --spin DIR [options]",
     .summary = "pictures and films of the model from anywhere",
     .about = "Wants a fitted model in the session. With --poses through the lens of the cameras that the "
              "file names\n"
              "(or the session's own), otherwise through a pinhole of the session's field of view.\n",
     .example = "  sheen render penguin.session --view 30,25 -o penguin.png\n"
-               "  sheen render penguin.session --orbit penguin.mp4 --size 640x480\n",
+               "  sheen render penguin.session --orbit penguin.mp4 --size 640x480\n"
+               "  sheen render penguin.session --spin penguin-360 --background 1,1,1 --holes fill\n",
     .run = run,
 };

@@ -26,19 +26,31 @@ typedef struct sheen_cli_view {
     double rt_board_obj[6];
     sheen_drawing *drawing;
     sheen_draw_options options;
+    double turn_lights_rad; // about the board's z, counter-clockwise from above
 } sheen_cli_view;
+
+// What a person may change about a model before it is drawn.
+typedef struct sheen_cli_changes {
+    double k_s_factor;  // highlights' strength; 1: as fitted
+    double sigma_rad;   // roughness; 0: as fitted
+    double tint_rgb[3]; // times the highlights' colour; 1 1 1: as fitted
+    bool fill_holes;    // surface that no photograph saw takes its surroundings' colour
+} sheen_cli_changes;
 
 // Holes are marked magenta, the background is a dark grey.
 sheen_status sheen_cli_view_open(sheen_cli_view *v, const sheen_session *s, sheen_err *err);
+sheen_status sheen_cli_view_change(sheen_cli_view *v, const sheen_cli_changes *c, sheen_err *err);
 void sheen_cli_view_close(sheen_cli_view *v);
 
 // A pinhole of the session's camera's field of view (along the width) for pictures of this size; 0 x 0: its own.
 sheen_status sheen_cli_view_pinhole(sheen_camera *out, const sheen_cli_view *v, const int size_px[2],
                                     sheen_err *err);
-// From a pose about the board, or one given.
-sheen_status sheen_cli_view_look(sheen_layers *out, const sheen_cli_view *v, const sheen_camera *cam,
-                                 double azimuth_deg, double elevation_deg, double distance_m, sheen_err *err);
-sheen_status sheen_cli_view_draw(sheen_layers *out, const sheen_cli_view *v, const sheen_camera *cam,
+// From a pose about the board (its pose alone: _pose), or one given. `layers` are zeroed, or an earlier picture's.
+sheen_status sheen_cli_view_pose(double rt_cam_obj[6], const sheen_cli_view *v, const sheen_camera *cam,
+                                 const double look[3], sheen_err *err);
+sheen_status sheen_cli_view_look(sheen_layers *layers, const sheen_cli_view *v, const sheen_camera *cam,
+                                 const double look[3], sheen_err *err);
+sheen_status sheen_cli_view_draw(sheen_layers *layers, const sheen_cli_view *v, const sheen_camera *cam,
                                  const double rt_cam_obj[6], sheen_err *err);
 
 typedef struct sheen_cli_orbit {

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include <stdbool.h>
+
 #include "base/pose3.h"
 #include "cli/stages.h"
 #include "render/orbit.h"
@@ -46,22 +48,50 @@ sheen_status sheen_cli_view_pinhole(sheen_camera *out, const sheen_cli_view *v, 
     return sheen_camera_opencv(out, width_px, height_px, fxycxy, NULL, 0, err);
 }
 
-sheen_status sheen_cli_view_draw(sheen_layers *out, const sheen_cli_view *v, const sheen_camera *cam,
+sheen_status sheen_cli_view_draw(sheen_layers *layers, const sheen_cli_view *v, const sheen_camera *cam,
                                  const double rt_cam_obj[6], sheen_err *err)
 {
-    // Where the object was turned, the lights stand still in front of the camera.
-    const double *rt_world_obj = v->model.moving == SHEEN_MOVING_OBJECT ? rt_cam_obj : NULL;
-    return sheen_draw(out, v->drawing, cam, rt_cam_obj, rt_world_obj, &v->options, err);
+    // Turning the lights one way is turning the object the other way under them, about the board's z. Where the
+    // object was turned, world is the camera's frame: the lights stand still in front of it.
+    const double rt_turn[6] = {0, 0, -v->turn_lights_rad, 0, 0, 0};
+    double rt_obj_board[6], rt_turned_obj[6], rt_world_obj[6];
+    sheen_rt_compose(rt_turned_obj, rt_turn, v->rt_board_obj);
+    memcpy(rt_world_obj, rt_turned_obj, sizeof rt_world_obj);
+    if (v->model.moving == SHEEN_MOVING_OBJECT) {
+        double rt_cam_board[6];
+        sheen_rt_invert(rt_obj_board, v->rt_board_obj);
+        sheen_rt_compose(rt_cam_board, rt_cam_obj, rt_obj_board);
+        sheen_rt_compose(rt_world_obj, rt_cam_board, rt_turned_obj);
+    }
+    const bool plain = v->turn_lights_rad == 0 && v->model.moving != SHEEN_MOVING_OBJECT;
+    return sheen_redraw(layers, v->drawing, cam, rt_cam_obj, plain ? NULL : rt_world_obj, &v->options, err);
 }
 
-sheen_status sheen_cli_view_look(sheen_layers *out, const sheen_cli_view *v, const sheen_camera *cam,
-                                 double azimuth_deg, double elevation_deg, double distance_m, sheen_err *err)
+sheen_status sheen_cli_view_pose(double rt_cam_obj[6], const sheen_cli_view *v, const sheen_camera *cam,
+                                 const double look[3], sheen_err *err)
+{
+    return sheen_view_pose(rt_cam_obj, &v->model.mesh, v->rt_board_obj, cam, look[0] * rad_per_deg,
+                           look[1] * rad_per_deg, look[2], err);
+}
+
+sheen_status sheen_cli_view_look(sheen_layers *layers, const sheen_cli_view *v, const sheen_camera *cam,
+                                 const double look[3], sheen_err *err)
 {
     double rt_cam_obj[6];
-    const sheen_status st = sheen_view_pose(rt_cam_obj, &v->model.mesh, v->rt_board_obj, cam,
-                                            azimuth_deg * rad_per_deg, elevation_deg * rad_per_deg,
-                                            distance_m, err);
-    return st ? st : sheen_cli_view_draw(out, v, cam, rt_cam_obj, err);
+    const sheen_status st = sheen_cli_view_pose(rt_cam_obj, v, cam, look, err);
+    return st ? st : sheen_cli_view_draw(layers, v, cam, rt_cam_obj, err);
+}
+
+sheen_status sheen_cli_view_change(sheen_cli_view *v, const sheen_cli_changes *c, sheen_err *err)
+{
+    sheen_model *m = &v->model;
+    m->k_s *= c->k_s_factor;
+    m->sigma_rad = c->sigma_rad > 0 ? c->sigma_rad : m->sigma_rad;
+    for (int k = 0; k < 3; k++)
+        m->light_rgb[k] *= c->tint_rgb[k];
+    sheen_drawing_free(&v->drawing); // keeps what it made of the model before
+    const sheen_status st = c->fill_holes ? sheen_texture_fill(&m->texture, &m->mesh, err) : SHEEN_OK;
+    return st ? st : sheen_drawing_new(&v->drawing, m, err);
 }
 
 const sheen_image *sheen_cli_layer(const sheen_layers *l, const char *layer)
@@ -78,21 +108,20 @@ sheen_status sheen_cli_orbit_film(const sheen_cli_view *v, const char *path, con
 {
     sheen_camera cam;
     sheen_film *film = NULL;
+    sheen_layers layers = {0};
     const int n = (int)fmax(1, round(o->duration_s * o->frames_per_s));
     sheen_status st = sheen_cli_view_pinhole(&cam, v, o->size_px, err);
     if (!st)
         st = sheen_film_open(&film, path, cam.width_px, cam.height_px, o->frames_per_s, err);
     for (int i = 0; !st && i < n; i++) {
-        sheen_layers layers;
+        const double look[3] = {360.0 * i / n, o->elevation_deg, o->distance_m};
         st = sheen_progress_step(progress, "film", i, n, err);
-        if (st)
-            break;
-        st = sheen_cli_view_look(&layers, v, &cam, 360.0 * i / n, o->elevation_deg, o->distance_m, err);
-        if (st)
-            break;
-        st = sheen_film_add(film, sheen_cli_layer(&layers, o->layer), err);
-        sheen_layers_release(&layers);
+        if (!st)
+            st = sheen_cli_view_look(&layers, v, &cam, look, err);
+        if (!st)
+            st = sheen_film_add(film, sheen_cli_layer(&layers, o->layer), err);
     }
+    sheen_layers_release(&layers);
     if (film) {
         const sheen_status closed = sheen_film_close(&film, !st, st ? NULL : err);
         st = st ? st : closed;

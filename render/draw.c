@@ -10,17 +10,12 @@
 
 #include "base/parallel.h"
 #include "base/pose3.h"
+#include "render/draw_private.h"
 #include "render/draw_tile.h"
 #include "render/gbuffer.h"
 #include "render/shade.h"
 
 enum { DEFAULT_SAMPLES_PER_SIDE = 2, TILE_SAMPLES_PER_SIDE = 16 };
-
-struct sheen_drawing {
-    const sheen_model *model;
-    sheen_scene *scene;
-    sheen_light_cells *cells;
-};
 
 void sheen_layers_release(sheen_layers *l)
 {

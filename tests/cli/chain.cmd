@@ -23,6 +23,10 @@ sheen render s --view 0,37,0.5 -o front.png
 sheen render s --view=-30,20 -o side.exr --layer specular --size 100x80
 sheen render s --poses transforms.json -o pictures --size 80x60 --format exr
 sheen render s --poses transforms.json -o pictures --size 160x160
+sheen render s --view 0,37,0.5 -o turned.png --turn-lights 90 --k-s 2 --sigma 0.1 --tint 1,0.5,0.2 --background none --holes fill
+sheen render s --view 0,37,0.5 -o depth.exr --layer depth --size 100x80
+sheen render s --spin spin --count 3 --size 64x48 --layer normal
+ls spin
 sheen render s --orbit film.mp4 --seconds 0.2 --fps 10 --size 64x48 --layer diffuse --json
 sheen eval s --against photos --poses transforms.json | grep -c '|'
 sheen eval s --holdout 2 | grep -c '|'

@@ -62,6 +62,12 @@ sheen render ok --view 1,2 -o x.gif
 sheen render ok --view 1,2 --orbit x.mp4
 sheen render ok --view 1,2 -o x.png --size 10x10
 sheen render ok --view 1,2 -o x.png --layer gold
+sheen render ok --view 1,2 -o x.png --layer depth
+sheen render ok --orbit x.mp4 --layer mask
+sheen render ok --orbit x.mp4 --background none
+sheen render ok --view 1,2 -o x.png --tint red
+sheen render ok --view 1,2 -o x.png --holes plug
+sheen render ok --view 1,2 -o x.png --background 1,1
 sheen export ok
 sheen export ok -o x.stl
 sheen export ok -o x.html --texels 1

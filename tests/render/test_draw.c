@@ -2,6 +2,7 @@
 // test_draw.c - pictures of a model against a plain renderer, and against what a mirrored sphere must look
 // like.
 #include "render/draw.h"
+#include "render/draw_geometry.h"
 #include "tests/support.h"
 #include "tests/support_scene.h"
 
@@ -302,6 +303,91 @@ static void threads_change_nothing(void **state)
     sheen_model_release(&m);
 }
 
+// A second picture in the layers of a first is the same as a fresh one; layers not asked for stay empty.
+static void drawn_again_is_the_same(void **state)
+{
+    (void)state;
+    sheen_model m;
+    sheen_drawing *d;
+    sheen_camera cam;
+    sheen_layers fresh, again = {0};
+    sheen_err err = {0};
+    double rt_first[6], rt_second[6];
+    make_model(&m);
+    test_camera(&cam, 120, 90, 140, 0);
+    test_look(rt_first, 0.25, -0.2, 0.22);
+    test_look(rt_second, -0.3, 0.25, 0.3);
+    assert_ok(sheen_drawing_new(&d, &m, &err), err);
+    const sheen_draw_options o = {.background_rgb = {0.25f, 0.5f, 0.75f}};
+    assert_ok(sheen_draw(&fresh, d, &cam, rt_second, NULL, &o, &err), err);
+    assert_ok(sheen_redraw(&again, d, &cam, rt_first, NULL, &o, &err), err);
+    const float *kept = again.composite.data;
+    assert_ok(sheen_redraw(&again, d, &cam, rt_second, NULL, &o, &err), err);
+    assert_ptr_equal(again.composite.data, kept);
+    assert_memory_equal(fresh.composite.data, again.composite.data, 120 * 90 * 3 * sizeof(float));
+    assert_memory_equal(fresh.diffuse.data, again.diffuse.data, 120 * 90 * 3 * sizeof(float));
+    assert_memory_equal(fresh.coverage.data, again.coverage.data, 120 * 90 * sizeof(float));
+    sheen_draw_options one = o;
+    one.layers = SHEEN_LAYER_SPECULAR;
+    assert_ok(sheen_redraw(&again, d, &cam, rt_second, NULL, &one, &err), err);
+    assert_null(again.composite.data);
+    assert_memory_equal(fresh.specular.data, again.specular.data, 120 * 90 * 3 * sizeof(float));
+    sheen_layers_release(&again);
+    sheen_layers_release(&fresh);
+    sheen_drawing_free(&d);
+    sheen_model_release(&m);
+}
+
+// Depth, normal and mask of a sphere, which has formulas for them.
+static void geometry_of_a_sphere(void **state)
+{
+    (void)state;
+    static const float centre[3] = {0.01f, 0.02f, 0.03f};
+    sheen_model m;
+    sheen_drawing *d;
+    sheen_camera cam;
+    sheen_geometry g;
+    sheen_err err = {0};
+    double rt_cam_obj[6], centre_cam[3] = {(double)centre[0], (double)centre[1], (double)centre[2]};
+    sheen_model_init(&m);
+    test_sphere(&m.mesh, 60, centre, 0.1f);
+    paint(&m, 2);
+    make_lights(&m, 10);
+    m.k_s = 1;
+    m.sigma_rad = 0.1;
+    test_camera(&cam, 200, 160, 300, 1);
+    test_look(rt_cam_obj, 0.1, 0.05, 0.4);
+    sheen_Rt Rt_cam_obj;
+    sheen_Rt_from_rt(&Rt_cam_obj, rt_cam_obj);
+    sheen_Rt_point(centre_cam, &Rt_cam_obj, centre_cam);
+    assert_ok(sheen_drawing_new(&d, &m, &err), err);
+    assert_ok(sheen_draw_geometry(&g, d, &cam, rt_cam_obj, 0, &err), err);
+    size_t n = 0;
+    for (int y = 0; y < cam.height_px; y++)
+        for (int x = 0; x < cam.width_px; x++) {
+            const double q_px[2] = {x, y};
+            double v[3], across[3];
+            assert_int_equal(sheen_camera_unproject(&cam, v, q_px, 1, NULL), SHEEN_OK);
+            sheen_cross(across, v, centre_cam);
+            const double miss_m = sheen_norm(across), half2 = 0.01 - miss_m * miss_m;
+            const float mask = *sheen_image_at(&g.mask, x, y);
+            if (fabs(miss_m - 0.1) > 2e-4)
+                assert_close(mask, half2 > 0, 0);
+            if (half2 < 1e-3 || mask == 0)
+                continue;
+            const double t_m = sheen_dot(v, centre_cam) - sqrt(half2);
+            const float *normal = sheen_image_at(&g.n_cam, x, y);
+            assert_close(*sheen_image_at(&g.depth_m, x, y), t_m * v[2], 3e-5);
+            for (int k = 0; k < 3; k++)
+                assert_close(normal[k], (t_m * v[k] - centre_cam[k]) / 0.1, 2e-3);
+            n++;
+        }
+    assert_true(n > 3000);
+    sheen_geometry_release(&g);
+    sheen_drawing_free(&d);
+    sheen_model_release(&m);
+}
+
 static void nothing_in_view_is_background(void **state)
 {
     (void)state;
@@ -358,6 +444,8 @@ int main(void)
         cmocka_unit_test(highlight_lies_in_the_mirror_direction),
         cmocka_unit_test(no_specks_along_the_outline),
         cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(drawn_again_is_the_same),
+        cmocka_unit_test(geometry_of_a_sphere),
         cmocka_unit_test(nothing_in_view_is_background),
         cmocka_unit_test(says_what_is_wrong),
     };
