@@ -137,14 +137,14 @@ static sheen_status add(recording *r, sheen_frame *frame, sheen_verdict verdict,
     return st;
 }
 
-// Since when a frame is wanted: asks between frames until the policy says so.
+// Since when a frame is wanted: asks between frames until the policy says so. Frames of a recording have no such time.
 static sheen_status ask(int64_t *since_ns, recording *r, sheen_err *err)
 {
     const sheen_record_policy *p = &r->options->policy;
-    const bool asks = p->ask && sheen_source_is_live(r->src);
-    if (!asks)
+    const sheen_status st = p->ask && *since_ns < 0 ? p->ask(p->self, since_ns, err) : SHEEN_OK;
+    if (!p->ask || !sheen_source_is_live(r->src))
         *since_ns = 0;
-    return asks && *since_ns < 0 ? p->ask(p->self, since_ns, err) : SHEEN_OK;
+    return st;
 }
 
 // Where a camera does not say when a frame was exposed, those that may have waited in its buffers pass first.

@@ -49,7 +49,8 @@ typedef struct sheen_record_options {
     double patience_s; // how long to wait for the person where nothing else helps; 0: not at all
     bool set_role;     // give every frame `role` instead of the source's own
     sheen_role role;
-    sheen_record_policy policy; // of a recording every frame is recorded; only `look` and `stored` are called
+    sheen_record_policy
+        policy; // of a recording every frame is recorded that `look` likes; `ask` may end it only
     // Looks at a frame that is about to be recorded, whatever the policy. What it returns (with its sentence) other
     // than OK ends the recording without that frame. NULL: none.
     sheen_status (*check)(void *self, const sheen_frame *frame, sheen_err *err);

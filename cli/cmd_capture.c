@@ -1,20 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 // cmd_capture.c - sheen capture: frames from a source into a session.
+#include <stdio.h>
 #include <unistd.h>
 
 #include "capture/record.h"
+#include "cli/choose.h"
 #include "cli/cli.h"
 #include "cli/commands.h"
+#include "cli/hook.h"
 #include "cli/shutter.h"
 #include "cli/white.h"
 
 typedef struct capture_args {
-    const char *device, *role, *moving;
+    const char *device, *role, *moving, *hook;
     int count;
+    bool choose; // --auto
+    double spread_deg, max_blur_px, max_motion_px;
     sheen_record_options o;
     sheen_moving moved;
     bool by_hand; // a camera without --count: a frame for each Enter or SIGUSR1
 } capture_args;
+
+// One capture at work.
+typedef struct capture_job {
+    sheen_cli *cli;
+    const capture_args *args;
+    const sheen_session *session;
+    sheen_cli_white white;
+    sheen_cli_choose choose;
+} capture_job;
 
 static sheen_status parse(sheen_cli *cli, capture_args *a, sheen_err *err)
 {
@@ -29,6 +43,21 @@ static sheen_status parse(sheen_cli *cli, capture_args *a, sheen_err *err)
          "stop after N frames (default: when the recording ends; of a\ncamera one is taken for each Enter or "
          "SIGUSR1, until q)",
          1, 1e6},
+        {"auto", 0, SHEEN_OPTION_FLAG, &a->choose, NULL,
+         "of a camera in the hand: take a frame when the board is in\nview, the picture sharp and still and "
+         "the "
+         "viewpoint new;\nstop when the ring about the board is covered",
+         0, 0},
+        {"spread", 0, SHEEN_OPTION_NUMBER, &a->spread_deg, "DEG",
+         "--auto: angle between viewpoints (default 15)", 1, 90},
+        {"max-motion", 0, SHEEN_OPTION_NUMBER, &a->max_motion_px, "PX",
+         "--auto: how far tags may move in 1/30 s (default 0.5)", 0.01, 100},
+        {"max-blur", 0, SHEEN_OPTION_NUMBER, &a->max_blur_px, "PX",
+         "--auto: how wide edges of tags may be, from 10 to 90 % of\ntheir step (default 3)", 0.5, 100},
+        {"hook", 0, SHEEN_OPTION_TEXT, &a->hook, "CMD",
+         "run CMD by the shell at each step, with ACTION (init,\ndownload, stop) and ARGUMENT (the frame's "
+         "file) in its\nenvironment",
+         0, 0},
         {"patience", 0, SHEEN_OPTION_NUMBER, &a->o.patience_s, "S",
          "how long to wait for a camera that is unplugged or hangs to\nbe plugged in again (default 300)", 0,
          86400},
@@ -39,6 +68,9 @@ static sheen_status parse(sheen_cli *cli, capture_args *a, sheen_err *err)
         {0},
     };
     a->o.patience_s = 300;
+    a->spread_deg = 15;
+    a->max_motion_px = 0.5;
+    a->max_blur_px = 3;
     sheen_status s = sheen_cli_parse(cli, options, 1, 1, err);
     if (s || cli->wants_help)
         return s;
@@ -101,33 +133,88 @@ static void on_notice(void *self, const char *text)
     sheen_cli_warn(self, "%s", text);
 }
 
+// A frame is safe on the disk.
+static sheen_status on_stored(void *self, const sheen_frame_info *f, sheen_err *err)
+{
+    const capture_job *job = self;
+    char file[160], path[SHEEN_PATH_MAX], missing[120];
+    if (job->args->choose) {
+        sheen_cli_choose_missing(missing, &job->choose);
+        sheen_cli_clear_bar(job->cli);
+        sheen_cli_say(job->cli, "%s taken: %s", f->name, missing);
+    }
+    snprintf(file, sizeof file, SHEEN_SESSION_FRAMES "/%s", f->file);
+    const sheen_status s = sheen_session_path(path, job->session, file, err);
+    return s ? s : sheen_cli_hook(job->args->hook, "download", path, err);
+}
+
+static sheen_status ask_chooser(void *self, int64_t *since_ns, sheen_err *err)
+{
+    return sheen_cli_choose_ask(&((capture_job *)self)->choose, since_ns, err);
+}
+
+static sheen_status ask_chooser_to_look(void *self, sheen_frame *frame, sheen_verdict *verdict,
+                                        sheen_err *err)
+{
+    return sheen_cli_choose_look(&((capture_job *)self)->choose, frame, verdict, err);
+}
+
+static sheen_status begin_choosing(capture_job *job, capture_args *a, sheen_err *err)
+{
+    job->choose = (sheen_cli_choose){.spread_rad = a->spread_deg * 0.017453292519943295,
+                                     .max_motion_px = a->max_motion_px,
+                                     .max_blur_px = a->max_blur_px,
+                                     .hint = on_notice,
+                                     .hint_self = job->cli};
+    a->o.policy.ask = ask_chooser;
+    a->o.policy.look = ask_chooser_to_look;
+    return sheen_cli_choose_init(&job->choose, job->session, err);
+}
+
+// Who decides which frames are taken.
+static sheen_status set_policy(capture_job *job, capture_args *a, const sheen_source *src, sheen_err *err)
+{
+    const bool live = sheen_source_is_live(src);
+    a->by_hand = live && (a->choose || !a->o.count);
+    a->o.policy.self = job;
+    a->o.policy.stored = on_stored;
+    if (a->by_hand) {
+        sheen_cli_shutter_open();
+        sheen_cli_say(job->cli, "Enter takes a frame (kill -USR1 %ld, too), q ends", (long)getpid());
+    }
+    if (a->choose)
+        return begin_choosing(job, a, err);
+    if (a->by_hand)
+        a->o.policy.ask = sheen_cli_shutter_ask;
+    return SHEEN_OK;
+}
+
 static sheen_status record(sheen_cli *cli, capture_args *a, sheen_session *s, sheen_source *src,
                            sheen_record_report *r, sheen_err *err)
 {
-    sheen_cli_white white = {0};
+    capture_job job = {.cli = cli, .args = a, .session = s};
     a->o.progress = sheen_cli_progress(cli);
-    a->by_hand = sheen_source_is_live(src) && !a->o.count;
-    sheen_status st = sheen_source_is_live(src) ? sheen_cli_white_init(&white, s, err) : SHEEN_OK;
-    if (st)
-        return st;
+    sheen_status st = sheen_source_is_live(src) ? sheen_cli_white_init(&job.white, s, err) : SHEEN_OK;
     a->o.notice = on_notice;
     a->o.notice_self = cli;
     a->o.check = sheen_cli_white_check;
-    a->o.check_self = &white;
-    if (a->by_hand) {
-        sheen_cli_shutter_open();
-        a->o.policy.ask = sheen_cli_shutter_ask;
-        sheen_cli_say(cli, "Enter takes a frame (kill -USR1 %ld, too), q ends", (long)getpid());
-    }
-    st = sheen_record(s, src, &a->o, r, err);
+    a->o.check_self = &job.white;
+    if (!st)
+        st = set_policy(&job, a, src, err);
+    if (!st)
+        st = sheen_cli_hook(a->hook, "init", s->path, err);
+    if (!st)
+        st = sheen_record(s, src, &a->o, r, err);
     sheen_cli_clear_bar(cli);
     if (st == SHEEN_ECANCEL && a->by_hand && r->n_recorded) // Ctrl-C ends it as q does
         st = SHEEN_OK;
     if (!st) {
-        report(cli, s, r, &white);
+        report(cli, s, r, &job.white);
         report_counts(cli, src);
+        st = sheen_cli_hook(a->hook, "stop", s->path, err);
     }
-    sheen_cli_white_release(&white);
+    sheen_cli_choose_release(&job.choose);
+    sheen_cli_white_release(&job.white);
     return st;
 }
 
@@ -168,6 +255,7 @@ const sheen_command sheen_cmd_capture = {
         "read\n"
         "back with each frame; docs/capture.md says how, and what a refusal means.\n",
     .example = "  sheen capture penguin.session --device v4l2:/dev/video0 --count 12\n"
+               "  sheen capture penguin.session --device v4l2:/dev/video0 --auto --spread 15\n"
                "  sheen capture penguin.session --device replay:recorded.session\n",
     .run = run,
 };

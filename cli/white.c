@@ -8,6 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "cli/frame_tags.h"
+
 enum { MAX_PATCHES = 1024 };
 
 sheen_status sheen_cli_white_init(sheen_cli_white *w, const sheen_session *s, sheen_err *err)
@@ -18,9 +20,9 @@ sheen_status sheen_cli_white_init(sheen_cli_white *w, const sheen_session *s, sh
         return SHEEN_OK;
     sheen_status st = sheen_session_path(path, s, SHEEN_SESSION_BOARD, err);
     if (!st)
-        st = sheen_board_load(&w->board, path, err);
+        st = sheen_board_set_load(&w->boards, path, err);
     if (!st)
-        st = sheen_tag_detector_new(&w->detector, w->board.family, err);
+        st = sheen_tag_detector_new(&w->detector, w->boards.boards[0].family, err);
     if (st)
         sheen_cli_white_release(w);
     return st;
@@ -29,7 +31,7 @@ sheen_status sheen_cli_white_init(sheen_cli_white *w, const sheen_session *s, sh
 void sheen_cli_white_release(sheen_cli_white *w)
 {
     sheen_tag_detector_free(&w->detector);
-    sheen_board_release(&w->board);
+    sheen_board_set_release(&w->boards);
     *w = (sheen_cli_white){0};
 }
 
@@ -78,30 +80,18 @@ bool sheen_cli_white_measure(float rgb[3], const sheen_raster *r, sheen_transfer
 sheen_status sheen_cli_white_check(void *self, const sheen_frame *frame, sheen_err *err)
 {
     sheen_cli_white *w = self;
-    sheen_raster r;
-    const sheen_board_set boards = {.boards = &w->board, .n_boards = 1};
-    sheen_tag_seen *tags = NULL;
-    size_t n_tags = 0;
+    sheen_cli_frame_tags t;
     float rgb[3];
     if (!w->detector)
         return SHEEN_OK;
-    sheen_status s = sheen_frame_develop(&r, frame, err);
+    sheen_status s = sheen_cli_frame_tags_find(&t, frame, w->detector, &w->boards, err);
     if (s)
         return s;
-    uint8_t *grey = malloc((size_t)r.width_px * (size_t)r.height_px);
-    if (!grey)
-        s = sheen_fail_memory(err, (double)r.width_px * r.height_px, "a grey picture");
-    else {
-        sheen_raster_grey(grey, &r, frame->info.transfer);
-        s = sheen_tags_detect(&tags, &n_tags, w->detector, grey, r.width_px, r.height_px, &boards, err);
-    }
-    if (!s && sheen_cli_white_measure(rgb, &r, frame->info.transfer, tags, n_tags)) {
+    if (sheen_cli_white_measure(rgb, &t.raster, frame->info.transfer, t.tags, t.n_tags)) {
         w->n_seen++;
         s = sheen_drift_check(&w->drift, rgb, err);
-    } else if (!s)
+    } else
         w->n_unseen++;
-    free(tags);
-    free(grey);
-    sheen_raster_release(&r);
+    sheen_cli_frame_tags_release(&t);
     return s;
 }

@@ -10,7 +10,7 @@
 #include "capture/source.h"
 
 typedef struct sheen_cli_white {
-    sheen_board board;
+    sheen_board_set boards;
     sheen_tag_detector *detector;
     sheen_drift drift;
     size_t n_seen, n_unseen; // frames that showed the board, and that did not

@@ -62,8 +62,8 @@ static void what_shows_no_board_is_counted(void **state)
     frame.info.stride_bytes = 3 * W;
     assert_ok(sheen_cli_white_check(&w, &frame, &err), err); // no board: nothing is watched
     assert_true(!w.n_seen && !w.n_unseen);
-    assert_ok(sheen_board_load(&w.board, board, &err), err);
-    assert_ok(sheen_tag_detector_new(&w.detector, w.board.family, &err), err);
+    assert_ok(sheen_board_set_load(&w.boards, board, &err), err);
+    assert_ok(sheen_tag_detector_new(&w.detector, w.boards.boards[0].family, &err), err);
     assert_ok(sheen_cli_white_check(&w, &frame, &err), err);
     assert_true(!w.n_seen && w.n_unseen == 1);
     frame.size_bytes--;
