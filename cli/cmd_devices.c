@@ -6,6 +6,7 @@
 #include "capture/devices.h"
 #include "cli/cli.h"
 #include "cli/commands.h"
+#include "cli/devices_json.h"
 
 static void put_modes(sheen_json_writer *w, const sheen_device *d)
 {
@@ -44,7 +45,7 @@ static void put_controls(sheen_json_writer *w, const sheen_device *d)
     sheen_json_close(w);
 }
 
-static void put_device(sheen_json_writer *w, const sheen_device *d)
+void sheen_cli_put_device(sheen_json_writer *w, const sheen_device *d)
 {
     char usb_id[16];
     sheen_json_open(w, NULL, '{');
@@ -126,7 +127,7 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
     sheen_json_open(&cli->out, "devices", '[');
     for (size_t i = 0; i < n; i++) {
         say_device(cli, &devices[i]);
-        put_device(&cli->out, &devices[i]);
+        sheen_cli_put_device(&cli->out, &devices[i]);
     }
     sheen_json_close(&cli->out);
     if (!n)

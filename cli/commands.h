@@ -7,6 +7,7 @@
 
 extern const sheen_command sheen_cmd_board;
 extern const sheen_command sheen_cmd_devices;
+extern const sheen_command sheen_cmd_doctor;
 extern const sheen_command sheen_cmd_capture;
 extern const sheen_command sheen_cmd_import;
 extern const sheen_command sheen_cmd_calibrate;
