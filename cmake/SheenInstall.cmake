@@ -19,3 +19,8 @@ endif()
 
 file(GLOB documents CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/docs/*.md)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${documents} DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+# Where udev reads rules: /usr/lib/udev below the prefix /usr, elsewhere below the prefix (a link or copy in
+# /etc/udev/rules.d makes it count).
+set(SHEEN_UDEV_RULES_DIR lib/udev/rules.d CACHE STRING "Folder for udev's rules, below the prefix or absolute")
+install(FILES ${PROJECT_SOURCE_DIR}/udev/60-sheen.rules DESTINATION ${SHEEN_UDEV_RULES_DIR})

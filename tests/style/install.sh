@@ -22,3 +22,7 @@ fi
     echo "no licence was installed"
     exit 1
 }
+[ -f "$prefix/lib/udev/rules.d/60-sheen.rules" ] || {
+    echo "no udev rules were installed"
+    exit 1
+}

@@ -108,6 +108,21 @@ line tools/x "rm \$1"
 check scripts.sh fail "a word that splits"
 
 clean
+mkdir udev
+line udev/60-a.rules 'SUBSYSTEM=="usb", TAG+="uaccess", MODE="0660"'
+check udev.sh pass "a rule"
+line udev/60-a.rules 'SUBSYSTEM=="usb", MODE="0666"'
+check udev.sh fail "a node that everybody may write"
+clean
+mkdir udev
+line udev/60-a.rules 'SUBSYSTEM="usb" TAG+="uaccess"'
+check udev.sh fail "a comma that is missing"
+clean
+mkdir udev
+line udev/99-a.rules 'SUBSYSTEM=="usb", TAG+="uaccess"'
+check udev.sh fail "rules that come too late"
+
+clean
 line base/a.c 'int  sheen_x;'
 check format.sh fail "two blanks where one belongs"
 
