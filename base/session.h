@@ -70,6 +70,13 @@ typedef enum sheen_lock {
     SHEEN_LOCK_HELD
 } sheen_lock;
 
+// What the software that drives a camera (libcamera) says of one frame. 0: not said.
+typedef struct sheen_frame_pipeline {
+    double exposure_us, analogue_gain, digital_gain;
+    double red_gain, blue_gain; // white balance, relative to green
+    double black_levels[4];     // of a mosaic's channels, of 65535
+} sheen_frame_pipeline;
+
 // One frame's sidecar, frames/<name>.json.
 typedef struct sheen_frame_info {
     char name[64]; // unique in the session; [A-Za-z0-9._-], not beginning with a dot
@@ -89,6 +96,7 @@ typedef struct sheen_frame_info {
     sheen_lock lock;
     int n_controls;
     sheen_frame_control controls[SHEEN_FRAME_MAX_CONTROLS];
+    sheen_frame_pipeline pipeline;
 } sheen_frame_info;
 
 // Fills in "unknown" everywhere.

@@ -2,6 +2,7 @@
 // session_sidecar.c - a frame's description, frames/<name>.json, to and from memory.
 #include <ctype.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -167,6 +168,56 @@ static sheen_status parse_color(sheen_colorimetry *c, const sheen_json *root, sh
     return SHEEN_OK;
 }
 
+typedef struct member {
+    const char *key;
+    size_t at; // a double of sheen_frame_pipeline
+} member;
+
+static const member pipeline_members[] = {
+    {"exposure_us", offsetof(sheen_frame_pipeline, exposure_us)},
+    {"analogue_gain", offsetof(sheen_frame_pipeline, analogue_gain)},
+    {"digital_gain", offsetof(sheen_frame_pipeline, digital_gain)},
+    {"red_gain", offsetof(sheen_frame_pipeline, red_gain)},
+    {"blue_gain", offsetof(sheen_frame_pipeline, blue_gain)},
+};
+enum { N_PIPELINE_MEMBERS = sizeof pipeline_members / sizeof *pipeline_members, N_BLACK_LEVELS = 4 };
+
+static sheen_status parse_pipeline(sheen_frame_pipeline *p, const sheen_json *root, sheen_err *err)
+{
+    const sheen_json *pipeline = sheen_json_get(root, "pipeline");
+    const sheen_json *levels = sheen_json_get(pipeline, "black_levels");
+    bool good = true;
+    for (size_t i = 0; pipeline && i < N_PIPELINE_MEMBERS; i++) {
+        double *value = (double *)(void *)((char *)p + pipeline_members[i].at);
+        *value = sheen_json_value_number(sheen_json_get(pipeline, pipeline_members[i].key), 0);
+        good = good && *value >= 0;
+    }
+    for (size_t i = 0; levels && i < N_BLACK_LEVELS; i++) {
+        p->black_levels[i] = sheen_json_value_number(sheen_json_at(levels, i), -1);
+        good = good && p->black_levels[i] >= 0 && p->black_levels[i] <= 65535;
+    }
+    return good ? SHEEN_OK : sheen_fail(err, SHEEN_EFORMAT, "'pipeline' has a number that none can have");
+}
+
+static double member_of(const sheen_frame_pipeline *p, size_t i)
+{
+    return *(const double *)(const void *)((const char *)p + pipeline_members[i].at);
+}
+
+static void write_pipeline(sheen_json_writer *w, const sheen_frame_pipeline *p)
+{
+    bool said = false;
+    for (size_t i = 0; i < N_PIPELINE_MEMBERS; i++)
+        said = said || member_of(p, i) > 0;
+    if (!said)
+        return;
+    sheen_json_open(w, "pipeline", '{');
+    for (size_t i = 0; i < N_PIPELINE_MEMBERS; i++)
+        sheen_json_put_number(w, pipeline_members[i].key, member_of(p, i));
+    sheen_json_put_numbers(w, "black_levels", p->black_levels, N_BLACK_LEVELS);
+    sheen_json_close(w);
+}
+
 // An array of [id, value] pairs.
 static sheen_status parse_controls(sheen_frame_info *f, const sheen_json *root, sheen_err *err)
 {
@@ -195,6 +246,8 @@ static sheen_status parse_camera(sheen_frame_info *f, const sheen_json *root, sh
     sheen_status s = parse_lock(f, root, err);
     if (!s)
         s = parse_color(&f->color, root, err);
+    if (!s)
+        s = parse_pipeline(&f->pipeline, root, err);
     return s ? s : parse_controls(f, root, err);
 }
 
@@ -235,6 +288,7 @@ static void write_camera(sheen_json_writer *w, const sheen_frame_info *f)
         sheen_json_put_int(w, "quantization", f->color.quantization);
         sheen_json_close(w);
     }
+    write_pipeline(w, &f->pipeline);
     if (!f->n_controls)
         return;
     sheen_json_open(w, "controls", '[');

@@ -15,7 +15,13 @@ struct sheen_source {
     atomic_bool stopped;
 };
 
-static const sheen_source_backend *const backends[] = {&sheen_source_replay, &sheen_source_v4l2};
+static const sheen_source_backend *const backends[] = {
+    &sheen_source_replay,
+    &sheen_source_v4l2,
+#ifdef SHEEN_LIBCAMERA
+    &sheen_source_libcamera,
+#endif
+};
 enum { N_BACKENDS = sizeof backends / sizeof *backends };
 
 // Kinds of sources that sheen's URIs have names for, so that a build without one can say that it is.
@@ -23,7 +29,14 @@ static const char *const camera_schemes[] = {"libcamera"};
 
 const char *const *sheen_source_schemes(void)
 {
-    static const char *const schemes[] = {"replay", "v4l2", NULL};
+    static const char *const schemes[] = {
+        "replay",
+        "v4l2",
+#ifdef SHEEN_LIBCAMERA
+        "libcamera",
+#endif
+        NULL,
+    };
     return schemes;
 }
 

@@ -6,6 +6,10 @@
 
 #include "capture/source.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct sheen_source_backend {
     // What stands before the colon of its URIs: "replay". Lower case, unique.
     const char *scheme;
@@ -46,11 +50,15 @@ typedef struct sheen_source_backend {
     void (*close)(void *self);
 } sheen_source_backend;
 
-extern const sheen_source_backend sheen_source_replay; // replay.c
-extern const sheen_source_backend sheen_source_v4l2;   // v4l2_source.c
+extern const sheen_source_backend sheen_source_replay;    // replay.c
+extern const sheen_source_backend sheen_source_v4l2;      // v4l2_source.c
+extern const sheen_source_backend sheen_source_libcamera; // libcamera_source.cc, where the build has it
 
 // A source over a backend's state that was opened by other means. Takes `self` over, also where it fails (ENOMEM).
 sheen_status sheen_source_adopt(sheen_source **src_out, const sheen_source_backend *backend, void *self,
                                 sheen_err *err);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

@@ -9,6 +9,10 @@
 #include "base/file.h"
 #include "base/image.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct sheen_v4l2_options {
     char path[SHEEN_PATH_MAX];
     uint32_t fourcc;         // 0: the camera's own choice
@@ -24,4 +28,7 @@ typedef struct sheen_v4l2_options {
 // "/dev/video0?format=MJPG&size=1280x720&rate=30&exposure_ms=20&mains=60&lock=off&transfer=srgb". EARG.
 sheen_status sheen_v4l2_options_parse(sheen_v4l2_options *o, const char *rest, sheen_err *err);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

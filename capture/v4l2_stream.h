@@ -14,6 +14,10 @@
 #include "capture/source.h"
 #include "capture/v4l2_io.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum { SHEEN_V4L2_MAX_BUFFERS = 8, SHEEN_V4L2_HOLD = 4 };
 
 // What the node was configured to deliver.
@@ -65,4 +69,7 @@ void sheen_v4l2_stream_stop(sheen_v4l2_stream *s);
 // A JPEG with its beginning and its end; zeros may follow.
 bool sheen_v4l2_jpeg_whole(const uint8_t *data, size_t size_bytes);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

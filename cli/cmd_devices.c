@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "capture/devices.h"
+#include "capture/libcamera_source.h"
 #include "cli/cli.h"
 #include "cli/commands.h"
 #include "cli/devices_json.h"
@@ -113,6 +114,30 @@ static void say_device(const sheen_cli *cli, const sheen_device *d)
         say_control(cli, &d->controls.controls[i]);
 }
 
+#ifdef SHEEN_LIBCAMERA
+// Cameras by libcamera's names: USB cameras, which V4L2 has too, and ones that V4L2 alone cannot run. A libcamera that
+// does not start is no reason to hide the others.
+static void list_libcamera(sheen_cli *cli)
+{
+    enum { MAX_NAMES = 16 };
+    sheen_libcamera_name names[MAX_NAMES];
+    sheen_err err;
+    int n = 0;
+    if (sheen_libcamera_list(names, MAX_NAMES, &n, &err))
+        sheen_cli_warn(cli, "%s", err.msg);
+    sheen_json_open(&cli->out, "libcamera", '[');
+    for (int i = 0; i < n && i < MAX_NAMES; i++) {
+        sheen_cli_say(cli, "libcamera:%d  %s", i, names[i].model);
+        sheen_cli_say(cli, "  libcamera:%s", names[i].id);
+        sheen_json_open(&cli->out, NULL, '{');
+        sheen_json_put_string(&cli->out, "id", names[i].id);
+        sheen_json_put_string(&cli->out, "name", names[i].model);
+        sheen_json_close(&cli->out);
+    }
+    sheen_json_close(&cli->out);
+}
+#endif
+
 static sheen_status run(sheen_cli *cli, sheen_err *err)
 {
     const sheen_option options[] = {{0}};
@@ -130,6 +155,9 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
         sheen_cli_put_device(&cli->out, &devices[i]);
     }
     sheen_json_close(&cli->out);
+#ifdef SHEEN_LIBCAMERA
+    list_libcamera(cli);
+#endif
     if (!n)
         sheen_cli_say(cli,
                       "no camera was found: plug one in, or look whether its driver made a /dev/video node");

@@ -97,6 +97,22 @@ static void a_frame_comes_back_as_it_went(void **state)
     sheen_session_release(&s);
 }
 
+static void what_a_pipeline_says_comes_back(void **state)
+{
+    sheen_session s;
+    sheen_err err;
+    sheen_frame_info f;
+    new_session(&s, state);
+    sheen_frame_info_init(&f);
+    snprintf(f.name, sizeof f.name, "a");
+    f.width_px = f.height_px = 1;
+    f.pipeline = (sheen_frame_pipeline){19998.5, 1.5, 1.01, 1.6, 2.1, {4096, 4095, 0, 1}};
+    assert_ok(sheen_session_add_frame(&s, &f, "jpg", "x", 1, &err), err);
+    reopen(&s);
+    assert_memory_equal(&s.frames[0].pipeline, &f.pipeline, sizeof f.pipeline);
+    sheen_session_release(&s);
+}
+
 static void unknown_stays_unknown(void **state)
 {
     sheen_session s;
@@ -530,6 +546,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         WITH_SCRATCH(a_frame_comes_back_as_it_went),
+        WITH_SCRATCH(what_a_pipeline_says_comes_back),
         WITH_SCRATCH(unknown_stays_unknown),
         WITH_SCRATCH(frames_are_sorted_by_name),
         WITH_SCRATCH(refuses_bad_names),

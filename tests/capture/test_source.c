@@ -144,7 +144,11 @@ static void says_what_is_wrong_with_a_uri(void **state)
         {"v4l2:/nowhere/video0", SHEEN_ENODEV, "there is no '/nowhere/video0'"},
         {"v4l2:/dev/null", SHEEN_EUNSUP, "'/dev/null' is no camera"},
         {"v4l2:?size=2x2", SHEEN_EARG, "names no camera"},
+#ifdef SHEEN_LIBCAMERA
+        {"libcamera:no/such", SHEEN_ENODEV, "'no/such' is none"},
+#else
         {"libcamera:0", SHEEN_EUNSUP, "no support for 'libcamera:0'"},
+#endif
         {"replay:/nowhere/at/all", SHEEN_EIO, "cannot open source 'replay:/nowhere/at/all'"},
         {empty, SHEEN_EDATA, "no frames"},
         {role, SHEEN_EARG, "unknown role 'king'"},

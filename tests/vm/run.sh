@@ -19,7 +19,7 @@ trap 'rm -rf "$share"' EXIT
 # The machine sees this host's files, but has a /tmp of its own: what lies there goes through the share.
 cp -r "$here/guest" "$share/"
 mkdir "$share/bin"
-for program in sheen make_recording usbip_camera hotplug; do
+for program in sheen make_recording usbip_camera usbredir_camera hotplug; do
     find "$build" -type f -name "$program" -perm -100 -exec cp {} "$share/bin/" \; 2>/dev/null
 done
 cp "$here/../../udev/"*.rules "$share/" 2>/dev/null
@@ -37,6 +37,7 @@ EOF
 
 host=$here/host/$name.sh # a part of the test that runs on this side, beside the machine
 extra=
+beside=
 if [ -f "$host" ]; then
     # shellcheck source=/dev/null
     . "$host"

@@ -1,0 +1,639 @@
+// SPDX-License-Identifier: Apache-2.0
+// libcamera_source.cc - libcamera:N or libcamera:ID, a camera of libcamera as a source; the one file that includes it.
+//
+// Requests with a buffer each go round: queued, finished by libcamera's thread, handed over, copied, and queued again
+// with the settings of the lock (libcamera_lock.h), which judges each by its metadata. A camera that is unplugged just
+// stalls: its `disconnected` signal ends the waiting. Written for the interface of 0.0.3; what is different in newer ones
+// is in the block below.
+#include "capture/libcamera_source.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <deque>
+#include <exception>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/mman.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <linux/videodev2.h>
+
+#include <libcamera/camera.h>
+#include <libcamera/camera_manager.h>
+#include <libcamera/control_ids.h>
+#include <libcamera/formats.h>
+#include <libcamera/framebuffer_allocator.h>
+#include <libcamera/logging.h>
+#include <libcamera/property_ids.h>
+#include <libcamera/request.h>
+
+#include "capture/libcamera_lock.h"
+#include "capture/source_backend.h"
+#include "capture/v4l2_options.h"
+#include "capture/v4l2_stream.h"
+
+namespace lc = libcamera;
+namespace formats = libcamera::formats;
+namespace controls = libcamera::controls;
+
+namespace
+{
+
+// What differs between versions of libcamera.
+using roles = std::vector<lc::StreamRole>; // 0.0.3 wants this very type, newer ones a span, which it becomes
+using metadata = const lc::ControlList &;  // of a request: const since 0.4
+
+struct format_name {
+    lc::PixelFormat theirs;
+    uint32_t ours;
+    bool raw;
+};
+
+constexpr format_name known_formats[] = {
+    {formats::YUYV, V4L2_PIX_FMT_YUYV, false},
+    {formats::NV12, V4L2_PIX_FMT_NV12, false},
+    {formats::MJPEG, V4L2_PIX_FMT_MJPEG, false},
+    {formats::R8, V4L2_PIX_FMT_GREY, false},
+    {formats::BGR888, V4L2_PIX_FMT_RGB24, false}, // named from the other end
+    {formats::RGB888, V4L2_PIX_FMT_BGR24, false},
+    {formats::SBGGR8, V4L2_PIX_FMT_SBGGR8, true},
+    {formats::SGBRG8, V4L2_PIX_FMT_SGBRG8, true},
+    {formats::SGRBG8, V4L2_PIX_FMT_SGRBG8, true},
+    {formats::SRGGB8, V4L2_PIX_FMT_SRGGB8, true},
+    {formats::SBGGR10, V4L2_PIX_FMT_SBGGR10, true},
+    {formats::SGBRG10, V4L2_PIX_FMT_SGBRG10, true},
+    {formats::SGRBG10, V4L2_PIX_FMT_SGRBG10, true},
+    {formats::SRGGB10, V4L2_PIX_FMT_SRGGB10, true},
+    {formats::SBGGR10_CSI2P, V4L2_PIX_FMT_SBGGR10P, true},
+    {formats::SGBRG10_CSI2P, V4L2_PIX_FMT_SGBRG10P, true},
+    {formats::SGRBG10_CSI2P, V4L2_PIX_FMT_SGRBG10P, true},
+    {formats::SRGGB10_CSI2P, V4L2_PIX_FMT_SRGGB10P, true},
+    {formats::SBGGR12, V4L2_PIX_FMT_SBGGR12, true},
+    {formats::SGBRG12, V4L2_PIX_FMT_SGBRG12, true},
+    {formats::SGRBG12, V4L2_PIX_FMT_SGRBG12, true},
+    {formats::SRGGB12, V4L2_PIX_FMT_SRGGB12, true},
+    {formats::SBGGR12_CSI2P, V4L2_PIX_FMT_SBGGR12P, true},
+    {formats::SGBRG12_CSI2P, V4L2_PIX_FMT_SGBRG12P, true},
+    {formats::SGRBG12_CSI2P, V4L2_PIX_FMT_SGRBG12P, true},
+    {formats::SRGGB12_CSI2P, V4L2_PIX_FMT_SRGGB12P, true},
+    {formats::SBGGR16, V4L2_PIX_FMT_SBGGR16, true},
+    {formats::SGBRG16, V4L2_PIX_FMT_SGBRG16, true},
+    {formats::SGRBG16, V4L2_PIX_FMT_SGRBG16, true},
+    {formats::SRGGB16, V4L2_PIX_FMT_SRGGB16, true},
+};
+
+const format_name *find_ours(uint32_t fourcc)
+{
+    for (const format_name &f : known_formats)
+        if (f.ours == fourcc)
+            return &f;
+    return nullptr;
+}
+
+const format_name *find_theirs(const lc::PixelFormat &format)
+{
+    for (const format_name &f : known_formats)
+        if (f.theirs == format)
+            return &f;
+    return nullptr;
+}
+
+struct mapping {
+    uint8_t *at = nullptr;
+    size_t size_bytes = 0;
+};
+
+struct camera {
+    sheen_v4l2_options options{};
+    std::string name; // for sentences
+    std::unique_ptr<lc::CameraManager> manager;
+    std::shared_ptr<lc::Camera> device;
+    std::unique_ptr<lc::CameraConfiguration> configuration;
+    std::unique_ptr<lc::FrameBufferAllocator> buffers;
+    std::vector<std::unique_ptr<lc::Request>> requests;
+    std::map<int, mapping> mappings; // by file
+    bool acquired = false, started = false, begun = false;
+    sheen_libcamera_lock lock{};
+    sheen_frame_info info{};      // of every frame
+    std::vector<uint8_t> payload; // lent
+    int64_t last_sequence = 0;
+    size_t needed_bytes = 0; // of a raw frame
+    sheen_source_counts counts{};
+    int wake_fd = -1; // counts what happened: a request is finished, unplugged, stopped
+    std::mutex mutex; // of what libcamera's thread touches:
+    std::deque<lc::Request *> done;
+    bool gone = false;
+    std::atomic<bool> stopped{false}; // set from anywhere
+
+    void wake() const
+    {
+        const uint64_t one = 1;
+        if (write(wake_fd, &one, sizeof one) < 0)
+            return; // it is awake already
+    }
+
+    void on_completed(lc::Request *request)
+    {
+        const std::lock_guard<std::mutex> hold(mutex);
+        if (request->status() == lc::Request::RequestCancelled)
+            return;
+        done.push_back(request);
+        wake();
+    }
+
+    void on_disconnected()
+    {
+        const std::lock_guard<std::mutex> hold(mutex);
+        gone = true;
+        wake();
+    }
+
+    camera() = default;
+    camera(const camera &) = delete;
+    camera &operator=(const camera &) = delete;
+
+    ~camera()
+    {
+        if (device) {
+            if (started)
+                device->stop();
+            device->requestCompleted.disconnect(this);
+            device->disconnected.disconnect(this);
+        }
+        requests.clear();
+        for (const auto &m : mappings)
+            munmap(m.second.at, m.second.size_bytes);
+        buffers.reset();
+        if (acquired)
+            device->release();
+        configuration.reset();
+        device.reset();
+        if (manager)
+            manager->stop();
+        if (wake_fd >= 0)
+            close(wake_fd);
+    }
+};
+
+int64_t now_ns()
+{
+    timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return int64_t(t.tv_sec) * 1000000000 + t.tv_nsec;
+}
+
+sheen_status start_manager(std::unique_ptr<lc::CameraManager> &manager, sheen_err *err)
+{
+    lc::logSetTarget(lc::LoggingTargetNone);
+    manager = std::make_unique<lc::CameraManager>();
+    if (manager->start() == 0)
+        return SHEEN_OK;
+    manager.reset();
+    return sheen_fail(err, SHEEN_EIO, "libcamera does not start: does udev run here?");
+}
+
+std::string model_of(const lc::Camera &device)
+{
+    const auto model = device.properties().get(lc::properties::Model);
+    return model ? std::string(*model) : device.id();
+}
+
+// "0", or an id as `sheen devices` lists it.
+sheen_status find_device(camera &c, sheen_err *err)
+{
+    const auto all = c.manager->cameras();
+    char *end;
+    const unsigned long i = strtoul(c.options.path, &end, 10);
+    if (!*end && i < all.size())
+        c.device = all[i];
+    for (const auto &device : all)
+        if (device->id() == c.options.path)
+            c.device = device;
+    if (!c.device)
+        return sheen_fail(err, SHEEN_ENODEV,
+                          "libcamera knows %zu cameras, and '%.100s' is none: 'sheen devices' lists them",
+                          all.size(), c.options.path);
+    c.name = model_of(*c.device);
+    if (c.device->acquire())
+        return sheen_fail(err, SHEEN_EIO, "cannot use '%.80s': another program does; close it and try again",
+                          c.name.c_str());
+    c.acquired = true;
+    return SHEEN_OK;
+}
+
+sheen_status fail_format(const camera &c, const lc::StreamConfiguration &got, sheen_err *err)
+{
+    return sheen_fail(err, SHEEN_EUNSUP, "'%.80s' does not offer that: it would give %.80s", c.name.c_str(),
+                      got.toString().c_str());
+}
+
+sheen_status configure(camera &c, sheen_err *err)
+{
+    const format_name *wanted = find_ours(c.options.fourcc);
+    if (c.options.fourcc && !wanted)
+        return sheen_fail(err, SHEEN_EUNSUP, "that format is none of those that sheen takes from libcamera");
+    const roles one = {wanted && wanted->raw ? lc::StreamRole::Raw : lc::StreamRole::VideoRecording};
+    c.configuration = c.device->generateConfiguration(one);
+    if (!c.configuration || c.configuration->empty())
+        return sheen_fail(err, SHEEN_EUNSUP, "'%.80s' gives no %s through libcamera", c.name.c_str(),
+                          wanted && wanted->raw ? "raw frames" : "pictures");
+    lc::StreamConfiguration &stream = c.configuration->at(0);
+    if (wanted)
+        stream.pixelFormat = wanted->theirs;
+    if (c.options.width_px)
+        stream.size = lc::Size(unsigned(c.options.width_px), unsigned(c.options.height_px));
+    stream.bufferCount = 4;
+    if (c.configuration->validate() == lc::CameraConfiguration::Invalid)
+        return fail_format(c, stream, err);
+    const format_name *got = find_theirs(stream.pixelFormat);
+    if (!got || (wanted && got != wanted) ||
+        (c.options.width_px &&
+         stream.size != lc::Size(unsigned(c.options.width_px), unsigned(c.options.height_px))))
+        return fail_format(c, stream, err);
+    if (c.device->configure(c.configuration.get()))
+        return sheen_fail(err, SHEEN_EIO, "'%.80s' cannot be configured", c.name.c_str());
+    c.lock.is_raw = got->raw;
+    c.info.fourcc = got->ours == V4L2_PIX_FMT_MJPEG ? 0 : got->ours;
+    c.info.width_px = int(stream.size.width);
+    c.info.height_px = int(stream.size.height);
+    c.info.stride_bytes = c.info.fourcc ? int(stream.stride) : 0;
+    return SHEEN_OK;
+}
+
+// In V4L2's numbers, as far as libcamera says it.
+sheen_colorimetry colorimetry_of(const lc::StreamConfiguration &stream)
+{
+    sheen_colorimetry c = {V4L2_COLORSPACE_SRGB, 0, 0, 0};
+    if (!stream.colorSpace)
+        return c;
+    const lc::ColorSpace &s = *stream.colorSpace;
+    if (s.primaries == lc::ColorSpace::Primaries::Raw)
+        c.colorspace = V4L2_COLORSPACE_RAW;
+    else if (s.primaries == lc::ColorSpace::Primaries::Smpte170m)
+        c.colorspace = V4L2_COLORSPACE_SMPTE170M;
+    else if (s.primaries == lc::ColorSpace::Primaries::Rec2020)
+        c.colorspace = V4L2_COLORSPACE_BT2020;
+    c.xfer_func = s.transferFunction == lc::ColorSpace::TransferFunction::Linear ? V4L2_XFER_FUNC_NONE
+                  : s.transferFunction == lc::ColorSpace::TransferFunction::Srgb ? V4L2_XFER_FUNC_SRGB
+                                                                                 : V4L2_XFER_FUNC_709;
+    c.ycbcr_enc = s.ycbcrEncoding == lc::ColorSpace::YcbcrEncoding::Rec601    ? V4L2_YCBCR_ENC_601
+                  : s.ycbcrEncoding == lc::ColorSpace::YcbcrEncoding::Rec709  ? V4L2_YCBCR_ENC_709
+                  : s.ycbcrEncoding == lc::ColorSpace::YcbcrEncoding::Rec2020 ? V4L2_YCBCR_ENC_BT2020
+                                                                              : 0;
+    c.quantization = s.range == lc::ColorSpace::Range::Full ? V4L2_QUANTIZATION_FULL_RANGE
+                                                            : V4L2_QUANTIZATION_LIM_RANGE;
+    return c;
+}
+
+sheen_status describe(camera &c, sheen_err *err)
+{
+    const lc::StreamConfiguration &stream = c.configuration->at(0);
+    c.info.color = colorimetry_of(stream);
+    if (c.info.fourcc) {
+        const sheen_pixel_layout layout = {c.info.fourcc, c.info.width_px, c.info.height_px,
+                                           c.info.stride_bytes, c.info.color};
+        c.needed_bytes = sheen_pixels_size(&layout);
+        if (!c.needed_bytes)
+            return sheen_fail(err, SHEEN_EIO, "'%.80s' claims %.80s: that cannot be", c.name.c_str(),
+                              stream.toString().c_str());
+    }
+    c.info.lock = c.options.lock ? SHEEN_LOCK_HELD : SHEEN_LOCK_OFF;
+    snprintf(c.info.source, sizeof c.info.source, "libcamera:%.200s", c.device->id().c_str());
+    snprintf(c.info.device, sizeof c.info.device, "%.60s (%.60s)", c.name.c_str(), c.device->id().c_str());
+    if (c.options.set_transfer) {
+        c.info.transfer = c.options.transfer;
+        return SHEEN_OK;
+    }
+    return sheen_pixels_transfer(&c.info.transfer, c.info.fourcc ? c.info.fourcc : V4L2_PIX_FMT_MJPEG,
+                                 &c.info.color, err);
+}
+
+// Planes of one buffer may share a file: each file is mapped once, as far as its planes reach.
+sheen_status map_buffers(camera &c, sheen_err *err)
+{
+    std::map<int, size_t> reach;
+    for (const auto &buffer : c.buffers->buffers(c.configuration->at(0).stream()))
+        for (const lc::FrameBuffer::Plane &plane : buffer->planes()) {
+            size_t &bytes = reach[plane.fd.get()];
+            const size_t offset = plane.offset == lc::FrameBuffer::Plane::kInvalidOffset ? 0 : plane.offset;
+            bytes = std::max(bytes, offset + plane.length);
+        }
+    for (const auto &r : reach) {
+        void *at = mmap(nullptr, r.second, PROT_READ, MAP_SHARED, r.first, 0);
+        if (at == MAP_FAILED)
+            return sheen_fail(err, SHEEN_EIO, "the buffers of '%.80s' cannot be mapped: %s", c.name.c_str(),
+                              strerror(errno));
+        c.mappings[r.first] = {static_cast<uint8_t *>(at), r.second};
+    }
+    return SHEEN_OK;
+}
+
+// (count() of 0.0.3 answers for all controls that there are, not for those of the camera.)
+bool has(const lc::ControlInfoMap &can, const lc::ControlId &control)
+{
+    return can.find(control.id()) != can.end();
+}
+
+// What every request asks for: nothing while the automatics find their values, then those.
+void ask(const camera &c, lc::ControlList &list)
+{
+    const lc::ControlInfoMap &can = c.device->controls();
+    if (!c.options.lock || c.lock.phase == SHEEN_LIBCAMERA_WARM_UP)
+        return;
+    if (has(can, controls::AeEnable))
+        list.set(controls::AeEnable, false);
+    list.set(controls::ExposureTime, int32_t(std::lround(c.lock.want.exposure_us)));
+    list.set(controls::AnalogueGain, float(c.lock.want.analogue_gain));
+    if (c.lock.is_raw)
+        return;
+    if (has(can, controls::AwbEnable))
+        list.set(controls::AwbEnable, false);
+    list.set(controls::ColourGains, {float(c.lock.want.red_gain), float(c.lock.want.blue_gain)});
+}
+
+sheen_status start(camera &c, sheen_err *err)
+{
+    lc::Stream *stream = c.configuration->at(0).stream();
+    c.buffers = std::make_unique<lc::FrameBufferAllocator>(c.device);
+    if (c.buffers->allocate(stream) <= 0)
+        return sheen_fail(err, SHEEN_ENOMEM, "'%.80s' has no memory for its frames: ask for a smaller size",
+                          c.name.c_str());
+    const sheen_status s = map_buffers(c, err);
+    if (s)
+        return s;
+    c.device->requestCompleted.connect(&c, &camera::on_completed);
+    c.device->disconnected.connect(&c, &camera::on_disconnected);
+    lc::ControlList initial(c.device->controls());
+    if (c.options.rate_hz > 0 && has(c.device->controls(), controls::FrameDurationLimits)) {
+        const int64_t us = std::llround(1e6 / c.options.rate_hz);
+        initial.set(controls::FrameDurationLimits, {us, us});
+    }
+    if (c.device->start(&initial))
+        return sheen_fail(
+            err, SHEEN_EIO,
+            "'%.80s' does not start: is the USB bus full? Ask for MJPG, a smaller size or a lower rate",
+            c.name.c_str());
+    c.started = true;
+    for (const auto &buffer : c.buffers->buffers(stream)) {
+        std::unique_ptr<lc::Request> request = c.device->createRequest();
+        if (!request || request->addBuffer(stream, buffer.get()) || c.device->queueRequest(request.get()))
+            return sheen_fail(err, SHEEN_EIO, "'%.80s' takes no requests", c.name.c_str());
+        c.requests.push_back(std::move(request));
+    }
+    return SHEEN_OK;
+}
+
+sheen_status open_camera(camera &c, const char *rest, sheen_err *err)
+{
+    sheen_frame_info_init(&c.info);
+    c.wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    if (c.wake_fd < 0)
+        return sheen_fail(err, SHEEN_EIO, "no file descriptor is left: close other programs");
+    sheen_status s = sheen_v4l2_options_parse(&c.options, rest, err);
+    if (!s)
+        s = start_manager(c.manager, err);
+    if (!s)
+        s = find_device(c, err);
+    if (!s)
+        s = configure(c, err);
+    if (!s && c.options.lock) {
+        const lc::ControlInfoMap &can = c.device->controls();
+        const sheen_libcamera_abilities abilities = {has(can, controls::ExposureTime),
+                                                     has(can, controls::AnalogueGain),
+                                                     has(can, controls::ColourGains)};
+        c.lock.exposure_s = c.options.exposure_s;
+        c.lock.mains_hz = c.options.mains_hz;
+        s = sheen_libcamera_lock_begin(&c.lock, &abilities, c.name.c_str(), err);
+    }
+    if (!s)
+        s = describe(c, err);
+    return s ? s : start(c, err);
+}
+
+sheen_frame_pipeline read_metadata(metadata says)
+{
+    sheen_frame_pipeline p = {};
+    if (const auto x = says.get(controls::ExposureTime))
+        p.exposure_us = *x;
+    if (const auto x = says.get(controls::AnalogueGain))
+        p.analogue_gain = double(*x);
+    if (const auto x = says.get(controls::DigitalGain))
+        p.digital_gain = double(*x);
+    if (const auto x = says.get(controls::ColourGains)) {
+        p.red_gain = double((*x)[0]);
+        p.blue_gain = double((*x)[1]);
+    }
+    if (const auto x = says.get(controls::SensorBlackLevels))
+        for (size_t i = 0; i < 4; i++)
+            p.black_levels[i] = (*x)[i];
+    return p;
+}
+
+// The frame's bytes, plane after plane. False: fewer than a frame has, or a JPEG without its end.
+bool copy_payload(camera &c, const lc::FrameBuffer &buffer)
+{
+    c.payload.clear();
+    const auto &planes = buffer.planes();
+    for (size_t i = 0; i < planes.size() && i < buffer.metadata().planes().size(); i++) {
+        const mapping &m = c.mappings[planes[i].fd.get()];
+        const size_t offset = planes[i].offset == lc::FrameBuffer::Plane::kInvalidOffset ? 0
+                                                                                         : planes[i].offset;
+        const size_t used = std::min<size_t>(buffer.metadata().planes()[i].bytesused, planes[i].length);
+        c.payload.insert(c.payload.end(), m.at + offset, m.at + offset + used);
+    }
+    return c.info.fourcc ? c.payload.size() >= c.needed_bytes
+                         : sheen_v4l2_jpeg_whole(c.payload.data(), c.payload.size());
+}
+
+void count_gap(camera &c, int64_t sequence)
+{
+    if (c.begun && sequence > c.last_sequence + 1)
+        c.counts.n_dropped += sequence - c.last_sequence - 1;
+    c.begun = true;
+    c.last_sequence = sequence;
+}
+
+// A finished request: *keep says whether its frame may be used.
+sheen_status take(camera &c, lc::Request &request, sheen_frame *frame, bool *keep, sheen_err *err)
+{
+    const lc::FrameBuffer &buffer = *request.buffers().begin()->second;
+    const lc::FrameMetadata &m = buffer.metadata();
+    *keep = false;
+    if (c.begun && m.sequence <= c.last_sequence) {
+        c.counts.n_late++;
+        return SHEEN_OK;
+    }
+    count_gap(c, m.sequence);
+    if (m.status != lc::FrameMetadata::FrameSuccess) {
+        c.counts.n_flagged++;
+        return SHEEN_OK;
+    }
+    if (!copy_payload(c, buffer)) {
+        c.counts.n_short++;
+        return SHEEN_OK;
+    }
+    frame->info = c.info;
+    frame->info.sequence = m.sequence;
+    frame->info.pipeline = read_metadata(request.metadata());
+    const auto stamp = request.metadata().get(controls::SensorTimestamp);
+    frame->info.t_ns = stamp ? *stamp : int64_t(m.timestamp);
+    *keep = true;
+    if (c.options.lock) {
+        const bool was_held = c.lock.phase == SHEEN_LIBCAMERA_HELD;
+        const sheen_status s = sheen_libcamera_lock_frame(keep, &c.lock, &frame->info.pipeline,
+                                                          c.name.c_str(), err);
+        if (s)
+            return s;
+        c.counts.n_unlocked += was_held && !*keep;
+    }
+    frame->extension = c.info.fourcc ? "raw" : "jpg";
+    frame->data = c.payload.data();
+    frame->size_bytes = c.payload.size();
+    c.counts.n_frames += *keep;
+    return SHEEN_OK;
+}
+
+// The next finished request, or why there is none. ETIMEOUT: until the deadline.
+sheen_status wait_for_request(camera &c, int64_t deadline_ns, lc::Request **request, sheen_err *err)
+{
+    for (;;) {
+        uint64_t n;
+        {
+            const std::lock_guard<std::mutex> hold(c.mutex);
+            if (c.stopped)
+                return sheen_fail(err, SHEEN_ECANCEL, "the camera was stopped");
+            if (!c.done.empty()) {
+                *request = c.done.front();
+                c.done.pop_front();
+                return SHEEN_OK;
+            }
+            if (c.gone)
+                return sheen_fail(
+                    err, SHEEN_ENODEV,
+                    "cannot get a frame from '%.80s': the camera is gone; plug it in and give the same "
+                    "command again",
+                    c.name.c_str());
+        }
+        const int64_t left_ns = deadline_ns - now_ns();
+        if (left_ns <= 0)
+            return sheen_fail(err, SHEEN_ETIMEOUT, "no frame came from '%.80s' in time: look at its cable",
+                              c.name.c_str());
+        pollfd wait = {c.wake_fd, POLLIN, 0};
+        const int64_t left_ms = left_ns / 1000000 + 1;
+        if (poll(&wait, 1, int(std::min<int64_t>(left_ms, 60000))) > 0 && read(c.wake_fd, &n, sizeof n) < 0)
+            continue;
+    }
+}
+
+sheen_status next_frame(camera &c, int timeout_ms, sheen_frame *frame, sheen_err *err)
+{
+    const int64_t deadline_ns = now_ns() + int64_t(timeout_ms) * 1000000;
+    for (;;) {
+        lc::Request *request = nullptr;
+        bool keep;
+        sheen_status s = wait_for_request(c, deadline_ns, &request, err);
+        if (s)
+            return s;
+        s = take(c, *request, frame, &keep, err);
+        if (s)
+            return s;
+        request->reuse(lc::Request::ReuseBuffers);
+        ask(c, request->controls());
+        const bool queued = c.device->queueRequest(request) ==
+                            0; // not where it was unplugged: the signal tells
+        if (keep)
+            return SHEEN_OK;
+        if (!queued && now_ns() >= deadline_ns)
+            return sheen_fail(err, SHEEN_EIO, "'%.80s' takes no requests any more", c.name.c_str());
+    }
+}
+
+sheen_status fail_exception(sheen_err *err, const std::exception &e)
+{
+    return sheen_fail(err, SHEEN_ENOMEM, "libcamera failed: %.200s", e.what());
+}
+
+sheen_status backend_open(void **self_out, const char *rest, sheen_err *err)
+try {
+    auto c = std::make_unique<camera>();
+    const sheen_status s = open_camera(*c, rest, err);
+    if (!s)
+        *self_out = c.release();
+    return s;
+} catch (const std::exception &e) {
+    return fail_exception(err, e);
+}
+
+sheen_status backend_next(void *self, int timeout_ms, sheen_frame *frame, sheen_err *err)
+try {
+    return next_frame(*static_cast<camera *>(self), timeout_ms, frame, err);
+} catch (const std::exception &e) {
+    return fail_exception(err, e);
+}
+
+// Also called from a signal handler: a flag and a write.
+void backend_stop(void *self)
+{
+    camera *c = static_cast<camera *>(self);
+    c->stopped = true;
+    c->wake();
+}
+
+void backend_counters(sheen_source_counts *out, const void *self)
+{
+    *out = static_cast<const camera *>(self)->counts;
+}
+
+void backend_close(void *self)
+{
+    delete static_cast<camera *>(self);
+}
+
+constexpr sheen_source_backend make_backend() noexcept
+{
+    sheen_source_backend b = {};
+    b.scheme = "libcamera";
+    b.open = backend_open;
+    b.next = backend_next;
+    b.stop = backend_stop;
+    b.counters = backend_counters;
+    b.close = backend_close;
+    return b;
+}
+
+} // namespace
+
+const sheen_source_backend sheen_source_libcamera = make_backend();
+
+sheen_status sheen_libcamera_list(sheen_libcamera_name *names, int max_names, int *n_out, sheen_err *err)
+try {
+    std::unique_ptr<lc::CameraManager> manager;
+    *n_out = 0;
+    const sheen_status s = start_manager(manager, err);
+    if (s)
+        return s;
+    {
+        const auto all = manager->cameras();
+        *n_out = int(all.size());
+        for (int i = 0; i < *n_out && i < max_names; i++) {
+            snprintf(names[i].id, sizeof names[i].id, "%s", all[size_t(i)]->id().c_str());
+            snprintf(names[i].model, sizeof names[i].model, "%s", model_of(*all[size_t(i)]).c_str());
+        }
+    }
+    manager->stop();
+    return SHEEN_OK;
+} catch (const std::exception &e) {
+    return fail_exception(err, e);
+}
