@@ -8,7 +8,7 @@ check() { # WHAT COMMAND...
     shift
     checks=$((checks + 1))
     if "$@"; then
-        echo "ok: $what"
+        echo "ok: $what ($(cut -d " " -f 1 /proc/uptime))"
     else
         echo "FAILED: $what"
         [ ! -s err ] || sed 's/^/    /' err
