@@ -21,7 +21,7 @@ typedef struct recording {
     sheen_ladder ladder;
     int done, total;
     unsigned long last_number; // last name given to a frame that is still in the queue
-    bool slow_said;
+    bool slow_said, compared;
 } recording;
 
 // The session's copy of a frame, if it has one.
@@ -184,6 +184,30 @@ static sheen_status wanted_frame(sheen_frame *frame, sheen_verdict *verdict, rec
     }
 }
 
+// Another camera may sit where that of the session's earlier frames did.
+static void compare_camera(recording *r, const sheen_frame *frame)
+{
+    const sheen_session *s = r->session;
+    char text[700];
+    if (r->compared || !r->options->notice || !frame->info.device[0])
+        return;
+    r->compared = true;
+    for (size_t i = s->n_frames; i-- > 0;) {
+        const sheen_frame_info *g = &s->frames[i];
+        if (!g->device[0] || strcmp(g->source, frame->info.source) != 0)
+            continue;
+        if (!sheen_device_is_alike(g->device, frame->info.device)) {
+            snprintf(text, sizeof text,
+                     "another camera is at '%.120s' now: %.100s; frame '%s' was taken by %.100s; 'sheen "
+                     "devices' lists the "
+                     "names that stay with a camera",
+                     frame->info.source, frame->info.device, g->name, g->device);
+            r->options->notice(r->options->notice_self, text);
+        }
+        return;
+    }
+}
+
 static sheen_status record_one(recording *r, sheen_err *err)
 {
     const sheen_record_options *o = r->options;
@@ -195,6 +219,7 @@ static sheen_status record_one(recording *r, sheen_err *err)
         st = o->check(o->check_self, &frame, err);
     if (st)
         return st;
+    compare_camera(r, &frame);
     if (o->set_role)
         frame.info.role = o->role;
     sheen_digest(digest, frame.data, frame.size_bytes);

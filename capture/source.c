@@ -107,6 +107,12 @@ sheen_status sheen_frame_develop(sheen_raster *out, const sheen_frame *frame, sh
                      : sheen_raster_parse(out, frame->data, frame->size_bytes, err);
 }
 
+bool sheen_device_is_alike(const char *a, const char *b)
+{
+    const size_t n = strcspn(a, "("); // its place is in brackets
+    return n == strcspn(b, "(") && !strncmp(a, b, n);
+}
+
 int64_t sheen_source_count(const sheen_source *src)
 {
     return src->backend->count ? src->backend->count(src->self) : -1;

@@ -58,6 +58,9 @@ sheen_status sheen_source_next(sheen_source *src, int timeout_ms, sheen_frame *f
 // The frame's picture, its curve left as it is. EFORMAT, EUNSUP, ENOMEM.
 sheen_status sheen_frame_develop(sheen_raster *out, const sheen_frame *frame, sheen_err *err);
 
+// True where two frames' `device` name the same kind of camera, whatever its place on the bus.
+bool sheen_device_is_alike(const char *a, const char *b);
+
 // How many frames it has in all, -1 where that is not known (a camera).
 int64_t sheen_source_count(const sheen_source *src);
 

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <linux/videodev2.h>
+
 static sheen_status wrong(sheen_err *err, const char *key, const char *value, const char *wanted)
 {
     return sheen_fail(err, SHEEN_EARG, "'%.40s=%.40s' is not understood: %.20s wants %s", key, value, key,
@@ -44,6 +46,26 @@ static bool parse_fourcc(sheen_v4l2_options *o, const char *text)
     return true;
 }
 
+typedef struct word {
+    const char *text;
+    uint32_t value;
+} word;
+
+static const word matrices[] = {
+    {"601", V4L2_YCBCR_ENC_601}, {"709", V4L2_YCBCR_ENC_709}, {"2020", V4L2_YCBCR_ENC_BT2020}, {0}};
+static const word ranges[] = {
+    {"full", V4L2_QUANTIZATION_FULL_RANGE}, {"limited", V4L2_QUANTIZATION_LIM_RANGE}, {0}};
+
+static bool parse_word(uint32_t *out, const word *words, const char *text)
+{
+    for (; words->text; words++)
+        if (!strcmp(words->text, text)) {
+            *out = words->value;
+            return true;
+        }
+    return false;
+}
+
 static sheen_status set(sheen_v4l2_options *o, const char *key, const char *value, sheen_err *err)
 {
     double x = 0;
@@ -74,9 +96,17 @@ static sheen_status set(sheen_v4l2_options *o, const char *key, const char *valu
         o->set_transfer = true;
         return sheen_transfer_from_name(&o->transfer, value, err);
     }
+    if (!strcmp(key, "matrix"))
+        return parse_word(&o->ycbcr_enc, matrices, value) ? SHEEN_OK
+                                                          : wrong(err, key, value, "601, 709 or 2020");
+    if (!strcmp(key, "range"))
+        return parse_word(&o->quantization, ranges, value) ? SHEEN_OK
+                                                           : wrong(err, key, value, "full or limited");
     return sheen_fail(
         err, SHEEN_EARG,
-        "unknown option '%.40s': a camera's are format, size, rate, exposure_ms, mains, lock, transfer", key);
+        "unknown option '%.40s': a camera's are format, size, rate, exposure_ms, mains, lock, transfer, "
+        "matrix, range",
+        key);
 }
 
 static sheen_status parse_query(sheen_v4l2_options *o, const char *query, sheen_err *err)

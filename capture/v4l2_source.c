@@ -195,19 +195,12 @@ static const char *where(const camera *c)
     return c->lasting[0] ? c->lasting : c->options.path;
 }
 
-// Up to its place on the bus, which may be another one now.
-static bool is_same_name(const char *a, const char *b)
-{
-    const size_t n = strcspn(a, "(");
-    return n == strcspn(b, "(") && !strncmp(a, b, n);
-}
-
 static sheen_status check_identity(const camera *c, const char *device, sheen_err *err)
 {
     char identity[sizeof c->identity] = "";
     if (c->io->identity)
         c->io->identity(c->io->self, identity, sizeof identity, where(c));
-    if (is_same_name(device, c->device) && (!c->identity[0] || !strcmp(identity, c->identity)))
+    if (sheen_device_is_alike(device, c->device) && (!c->identity[0] || !strcmp(identity, c->identity)))
         return SHEEN_OK;
     return sheen_fail(
         err, SHEEN_ENODEV,

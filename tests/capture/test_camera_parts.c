@@ -178,13 +178,15 @@ static void a_uri_is_read_with_all_its_options(void **state)
     assert_ok(sheen_v4l2_options_parse(
                   &o,
                   "/dev/v4l/by-id/usb-cam?format=Y16&size=640x480&rate=15&exposure_ms=8.33&mains=60&"
-                  "lock=off&transfer=linear",
+                  "lock=off&transfer=linear&matrix=709&range=full",
                   &err),
               err);
     assert_string_equal(o.path, "/dev/v4l/by-id/usb-cam");
     assert_int_equal(o.fourcc, V4L2_PIX_FMT_Y16);
     assert_true(o.width_px == 640 && o.height_px == 480 && o.mains_hz == 60 && !o.lock && o.set_transfer);
     assert_close(o.rate_hz, 15, 0);
+    assert_int_equal(o.ycbcr_enc, V4L2_YCBCR_ENC_709);
+    assert_int_equal(o.quantization, V4L2_QUANTIZATION_FULL_RANGE);
     assert_close(o.exposure_s, 0.00833, 1e-12);
     assert_int_equal(o.transfer, SHEEN_TRANSFER_LINEAR);
     assert_ok(sheen_v4l2_options_parse(&o, "/dev/video0", &err), err);

@@ -145,6 +145,33 @@ static void another_camera_is_not_taken_for_the_one_that_left(void **state)
     assert_non_null(strstr(n.text, "another camera"));
 }
 
+static void another_camera_at_the_remembered_place_is_told(void **state)
+{
+    sheen_session s;
+    sheen_frame_info old;
+    sheen_err err;
+    make_session(&s, state, "remembered");
+    sheen_frame_info_init(&old);
+    snprintf(old.name, sizeof old.name, "000000");
+    snprintf(old.source, sizeof old.source, "v4l2:/dev/video0");
+    snprintf(old.device, sizeof old.device, "Some Other (usb-0000:00:14.0-1)");
+    old.width_px = old.height_px = 1;
+    assert_ok(sheen_session_add_frame(&s, &old, "png", "x", 1, &err), err);
+    for (int again = 0; again < 2; again++) { // the second time the last frame is this camera's
+        fake_v4l2 f;
+        notices n = {0};
+        sheen_source *src;
+        sheen_record_report report;
+        const sheen_record_options o = {.count = 1, .notice = note, .notice_self = &n};
+        fake_v4l2_init(&f);
+        assert_ok(sheen_v4l2_source_open(&src, &f.io, CAMERA "?lock=off", &err), err);
+        assert_ok(sheen_record(&s, src, &o, &report, &err), err);
+        assert_true(again == !strstr(n.text, "another camera is at"));
+        sheen_source_close(&src);
+    }
+    sheen_session_release(&s);
+}
+
 // A camera that never gave a frame is not reset: it may be another's at work.
 static void nothing_is_reset_before_it_has_worked(void **state)
 {
@@ -210,6 +237,7 @@ int main(void)
         WITH_SCRATCH(each_rung_helps_where_the_one_below_does_not),
         WITH_SCRATCH(the_person_is_asked_last_and_waited_for),
         WITH_SCRATCH(another_camera_is_not_taken_for_the_one_that_left),
+        WITH_SCRATCH(another_camera_at_the_remembered_place_is_told),
         WITH_SCRATCH(nothing_is_reset_before_it_has_worked),
         WITH_SCRATCH(a_capture_survives_any_call_that_fails),
         WITH_SCRATCH(a_capture_survives_an_unplug_at_any_call),

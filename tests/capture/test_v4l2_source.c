@@ -106,6 +106,22 @@ static void every_frame_is_accounted_for(void **state)
     close_clean(&src, &f);
 }
 
+static void what_a_camera_claims_of_its_colours_can_be_corrected(void **state)
+{
+    (void)state;
+    fake_v4l2 f;
+    sheen_source *src;
+    sheen_frame frame;
+    sheen_err err;
+    fake_v4l2_init(&f);
+    open_fake(&src, &f, UNLOCKED "&range=limited&matrix=709&transfer=srgb");
+    assert_ok(sheen_source_next(src, 1000, &frame, &err), err);
+    assert_int_equal(frame.info.color.quantization, V4L2_QUANTIZATION_LIM_RANGE);
+    assert_int_equal(frame.info.color.ycbcr_enc, V4L2_YCBCR_ENC_709);
+    assert_int_equal(frame.info.transfer, SHEEN_TRANSFER_SRGB);
+    close_clean(&src, &f);
+}
+
 static void a_counter_that_stands_still_loses_nothing(void **state)
 {
     (void)state;
@@ -201,6 +217,8 @@ static void says_what_is_wrong_with_a_camera(void **state)
         {CAMERA "?speed=7", {0}, SHEEN_EARG, "unknown option"},
         {CAMERA "?mains=55", {0}, SHEEN_EARG, "50 or 60"},
         {CAMERA "?size", {0}, SHEEN_EARG, "no value"},
+        {CAMERA "?matrix=7", {0}, SHEEN_EARG, "709"},
+        {CAMERA "?range=wide", {0}, SHEEN_EARG, "limited"},
         {CAMERA, {.no_exposure = true}, SHEEN_EUNSUP, "no control of its exposure"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -502,6 +520,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(delivers_frames_in_order_with_their_description),
         cmocka_unit_test(every_frame_is_accounted_for),
+        cmocka_unit_test(what_a_camera_claims_of_its_colours_can_be_corrected),
         cmocka_unit_test(a_counter_that_stands_still_loses_nothing),
         cmocka_unit_test(stamps_are_of_the_start_of_the_exposure),
         cmocka_unit_test(a_stalled_camera_times_out_and_an_unplugged_one_is_gone),

@@ -11,6 +11,7 @@
 #include "base/pose3.h"
 #include "capture/v4l2_source.h"
 #include "cli/hook.h"
+#include "cli/white.h"
 #include "tests/calib/support_board.h"
 #include "tests/fake/fake_v4l2.h"
 #include "tests/support.h"
@@ -152,6 +153,47 @@ static void a_walk_is_covered_by_frames_at_rest(void **state)
     sheen_board_release(&board);
 }
 
+// Lamps that are switched off midway: no frame of the new light gets into the session.
+static void a_light_that_goes_off_ends_the_capture(void **state)
+{
+    static const double fxycxy[4] = {W, W, 0.5 * (W - 1), 0.5 * (H - 1)}, middle[2] = {0, 0};
+    enum { N = 6, OFF_AT = 4 };
+    sheen_board board;
+    sheen_session lit, s;
+    sheen_source *src;
+    sheen_camera camera;
+    sheen_cli_white white;
+    fake_v4l2 f;
+    sheen_record_report report;
+    sheen_err err;
+    test_board_make(&board, 7, 5, 0.04, 0.75, 0, 0);
+    make_session(&lit, state, "lit", &board);
+    make_session(&s, state, "watched", &board);
+    assert_ok(sheen_camera_opencv(&camera, W, H, fxycxy, NULL, 0, &err), err);
+    test_photo photo = {.board = &board, .camera = &camera, .blur_px = 0.6, .noise_dn = 1};
+    test_board_look(photo.rt_cam_board, middle, 0.3, 30, 0, 0);
+    uint8_t *grey = test_photo_render(&photo);
+    for (int i = 0; i < N; i++) {
+        for (size_t k = 0; i == OFF_AT && k < (size_t)W * H; k++)
+            grey[k] = (uint8_t)(grey[k] * 7 / 10);
+        add(&lit, grey, i);
+    }
+    free(grey);
+    fake_v4l2_init(&f);
+    assert_ok(fake_v4l2_play(&f, &lit, &err), err);
+    assert_ok(sheen_v4l2_source_open(&src, &f.io, "/dev/video0?lock=off", &err), err);
+    assert_ok(sheen_cli_white_init(&white, &s, &err), err);
+    const sheen_record_options o = {.count = N, .check = sheen_cli_white_check, .check_self = &white};
+    assert_fails(sheen_record(&s, src, &o, &report, &err), err, SHEEN_EDATA, "the light has changed");
+    assert_int_equal(report.n_recorded, OFF_AT);
+    sheen_cli_white_release(&white);
+    sheen_source_close(&src);
+    fake_v4l2_release(&f);
+    sheen_session_release(&lit);
+    sheen_session_release(&s);
+    sheen_board_release(&board);
+}
+
 static void a_session_without_a_board_is_told(void **state)
 {
     char dir[TEST_PATH_MAX];
@@ -186,6 +228,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         WITH_SCRATCH(a_walk_is_covered_by_frames_at_rest),
+        WITH_SCRATCH(a_light_that_goes_off_ends_the_capture),
         WITH_SCRATCH(a_session_without_a_board_is_told),
         WITH_SCRATCH(a_hook_knows_what_happened),
     };
