@@ -493,24 +493,38 @@ static bool names_are_distinct(const char *const *names, int n)
     return true;
 }
 
+sheen_status sheen_exr_encode(uint8_t **data_out, size_t *size_bytes_out, const sheen_image *img,
+                              const char *const *channel_names, bool half, sheen_err *err)
+{
+    static const char *const rgba[] = {"R", "G", "B", "A"}, *const ya[] = {"Y", "A"};
+    *data_out = NULL;
+    *size_bytes_out = 0;
+    if (!img->data || img->n_channels < 1 || img->n_channels > 4)
+        return sheen_fail(err, SHEEN_EARG, "a picture has 1 to 4 channels");
+    const char *const *names = channel_names ? channel_names : img->n_channels >= 3 ? rgba : ya;
+    if (!names_are_distinct(names, img->n_channels))
+        return sheen_fail(err, SHEEN_EARG, "channels want distinct names");
+    writer w = {.img = img, .names = names, .half = half};
+    const exr_result_t code = write_all(&w);
+    if (code) {
+        free(w.file.written.data);
+        return sheen_fail(err, code == EXR_ERR_OUT_OF_MEMORY ? SHEEN_ENOMEM : SHEEN_EARG, "%s",
+                          w.file.message[0] ? w.file.message : exr_get_default_error_message(code));
+    }
+    *data_out = w.file.written.data;
+    *size_bytes_out = w.file.written.size_bytes;
+    return SHEEN_OK;
+}
+
 sheen_status sheen_exr_write(const char *path, const sheen_image *img, const char *const *channel_names,
                              bool half, sheen_err *err)
 {
-    static const char *const rgba[] = {"R", "G", "B", "A"}, *const ya[] = {"Y", "A"};
-    if (!img->data || img->n_channels < 1 || img->n_channels > 4)
-        return sheen_fail(err, SHEEN_EARG, "cannot write '%s': a picture has 1 to 4 channels", path);
-    const char *const *names = channel_names ? channel_names : img->n_channels >= 3 ? rgba : ya;
-    if (!names_are_distinct(names, img->n_channels))
-        return sheen_fail(err, SHEEN_EARG, "cannot write '%s': channels want distinct names", path);
-    writer w = {.img = img, .names = names, .half = half};
-    const exr_result_t code = write_all(&w);
-    sheen_status s;
-    if (code)
-        s = sheen_fail(err, code == EXR_ERR_OUT_OF_MEMORY ? SHEEN_ENOMEM : SHEEN_EARG,
-                       "cannot write '%s': %s", path,
-                       w.file.message[0] ? w.file.message : exr_get_default_error_message(code));
-    else
-        s = sheen_file_write(path, w.file.written.data, w.file.written.size_bytes, err);
-    free(w.file.written.data);
+    uint8_t *data;
+    size_t size_bytes;
+    sheen_status s = sheen_exr_encode(&data, &size_bytes, img, channel_names, half, err);
+    if (s)
+        return sheen_wrap(err, s, "cannot write '%s'", path);
+    s = sheen_file_write(path, data, size_bytes, err);
+    free(data);
     return s;
 }

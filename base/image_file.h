@@ -44,6 +44,9 @@ sheen_status sheen_hdr_write(const char *path, const sheen_image *img, sheen_err
 // Scan lines, ZIP, half or float. channel_names: n_channels names, or NULL for Y / R G B / R G B A.
 sheen_status sheen_exr_write(const char *path, const sheen_image *img, const char *const *channel_names,
                              bool half, sheen_err *err);
+// The same into memory, which the caller frees. EARG, ENOMEM.
+sheen_status sheen_exr_encode(uint8_t **data_out, size_t *size_bytes_out, const sheen_image *img,
+                              const char *const *channel_names, bool half, sheen_err *err);
 
 #ifdef __cplusplus
 }

@@ -77,6 +77,15 @@ typedef struct sheen_frame_pipeline {
     double black_levels[4];     // of a mosaic's channels, of 65535
 } sheen_frame_pipeline;
 
+// What a frame that was put together from several exposures tells of itself.
+enum { SHEEN_BRACKET_MAX = 9 };
+typedef struct sheen_frame_bracket {
+    int n_exposures; // 0: the frame is of one exposure
+    double exposure_s[SHEEN_BRACKET_MAX];
+    double noise[2]; // variance of one exposure's linear value x: noise[0] + noise[1] x, full scale 1
+    double residual; // how far the exposures disagree, relative, rms: the error of the curve that was assumed
+} sheen_frame_bracket;
+
 // One frame's sidecar, frames/<name>.json.
 typedef struct sheen_frame_info {
     char name[64]; // unique in the session; [A-Za-z0-9._-], not beginning with a dot
@@ -97,6 +106,7 @@ typedef struct sheen_frame_info {
     int n_controls;
     sheen_frame_control controls[SHEEN_FRAME_MAX_CONTROLS];
     sheen_frame_pipeline pipeline;
+    sheen_frame_bracket bracket;
 } sheen_frame_info;
 
 // Fills in "unknown" everywhere.

@@ -240,6 +240,29 @@ static sheen_status parse_controls(sheen_frame_info *f, const sheen_json *root, 
     return SHEEN_OK;
 }
 
+static sheen_status parse_bracket(sheen_frame_info *f, const sheen_json *root, sheen_err *err)
+{
+    const sheen_json *bracket = sheen_json_get(root, "bracket");
+    const sheen_json *exposures = sheen_json_get(bracket, "exposure_s"),
+                     *noise = sheen_json_get(bracket, "noise");
+    const size_t n = sheen_json_count(exposures);
+    if (!bracket)
+        return SHEEN_OK;
+    if (n < 2 || n > SHEEN_BRACKET_MAX || sheen_json_count(noise) != 2)
+        return sheen_fail(err, SHEEN_EFORMAT, "'bracket' wants 2 to %d exposures and two numbers of noise",
+                          SHEEN_BRACKET_MAX);
+    for (size_t i = 0; i < n; i++) {
+        f->bracket.exposure_s[i] = sheen_json_value_number(sheen_json_at(exposures, i), 0);
+        if (!(f->bracket.exposure_s[i] > 0))
+            return sheen_fail(err, SHEEN_EFORMAT, "'bracket' has an exposure that is no time");
+    }
+    for (size_t i = 0; i < 2; i++)
+        f->bracket.noise[i] = sheen_json_value_number(sheen_json_at(noise, i), 0);
+    f->bracket.residual = sheen_json_value_number(sheen_json_get(bracket, "residual"), (double)NAN);
+    f->bracket.n_exposures = (int)n;
+    return SHEEN_OK;
+}
+
 static sheen_status parse_camera(sheen_frame_info *f, const sheen_json *root, sheen_err *err)
 {
     snprintf(f->device, sizeof f->device, "%s", sheen_json_value_string(sheen_json_get(root, "device"), ""));
@@ -248,7 +271,9 @@ static sheen_status parse_camera(sheen_frame_info *f, const sheen_json *root, sh
         s = parse_color(&f->color, root, err);
     if (!s)
         s = parse_pipeline(&f->pipeline, root, err);
-    return s ? s : parse_controls(f, root, err);
+    if (!s)
+        s = parse_controls(f, root, err);
+    return s ? s : parse_bracket(f, root, err);
 }
 
 sheen_status sheen_frame_info_parse(sheen_frame_info *f, const void *data, size_t size_bytes, sheen_err *err)
@@ -271,6 +296,17 @@ sheen_status sheen_frame_info_parse(sheen_frame_info *f, const void *data, size_
         s = parse_camera(f, root, err);
     sheen_json_free(&root);
     return s;
+}
+
+static void write_bracket(sheen_json_writer *w, const sheen_frame_bracket *b)
+{
+    if (!b->n_exposures)
+        return;
+    sheen_json_open(w, "bracket", '{');
+    sheen_json_put_numbers(w, "exposure_s", b->exposure_s, (size_t)b->n_exposures);
+    sheen_json_put_numbers(w, "noise", b->noise, 2);
+    sheen_json_put_number(w, "residual", b->residual);
+    sheen_json_close(w);
 }
 
 // What only a camera's frame has.
@@ -318,6 +354,7 @@ sheen_status sheen_frame_info_save(const sheen_frame_info *f, const char *path, 
     sheen_json_put_string(&w, "payload_digest", f->payload_digest);
     sheen_json_put_string(&w, "source", f->source);
     write_camera(&w, f);
+    write_bracket(&w, &f->bracket);
     sheen_json_close(&w);
     return sheen_json_save(&w, path, err);
 }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "capture/bracket.h"
 #include "capture/ladder.h"
 #include "capture/record_queue.h"
 
@@ -208,27 +209,38 @@ static void compare_camera(recording *r, const sheen_frame *frame)
     }
 }
 
+// Puts a frame that was taken into the session, where it is not there already.
+static sheen_status keep(recording *r, sheen_frame *frame, sheen_verdict verdict, sheen_err *err)
+{
+    char digest[33];
+    if (r->options->set_role)
+        frame->info.role = r->options->role;
+    sheen_digest(digest, frame->data, frame->size_bytes);
+    const sheen_frame_info *copy = sheen_source_is_live(r->src) ? NULL : find_copy(r->session, frame, digest);
+    if (!copy)
+        return add(r, frame, verdict, err);
+    r->report->n_present++;
+    return tell(r, copy, err);
+}
+
 static sheen_status record_one(recording *r, sheen_err *err)
 {
     const sheen_record_options *o = r->options;
     sheen_frame frame;
     sheen_verdict verdict;
-    char digest[33];
     sheen_status st = wanted_frame(&frame, &verdict, r, err);
     if (!st && o->check)
         st = o->check(o->check_self, &frame, err);
     if (st)
         return st;
     compare_camera(r, &frame);
-    if (o->set_role)
-        frame.info.role = o->role;
-    sheen_digest(digest, frame.data, frame.size_bytes);
-    const sheen_frame_info *copy = sheen_source_is_live(r->src) ? NULL
-                                                                : find_copy(r->session, &frame, digest);
-    if (!copy)
-        return add(r, &frame, verdict, err);
-    r->report->n_present++;
-    return tell(r, copy, err);
+    uint8_t *merged = NULL;
+    if (o->bracket)
+        st = sheen_bracket_take(&frame, &merged, &r->ladder, o->bracket, err);
+    if (!st)
+        st = keep(r, &frame, verdict, err);
+    free(merged);
+    return st;
 }
 
 // Frames that are asked for, 0 where nobody can tell.

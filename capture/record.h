@@ -46,6 +46,7 @@ typedef sheen_status sheen_record_write(void *self, const sheen_session *s, shee
 typedef struct sheen_record_options {
     size_t count;   // stop after so many frames; 0: when the source ends
     int timeout_ms; // longest wait for a sign of life of the source; then something is done (ladder.h); 0: 10 s
+    int bracket;    // put each frame together from so many exposures (2 to SHEEN_BRACKET_MAX); 0: one
     double patience_s; // how long to wait for the person where nothing else helps; 0: not at all
     bool set_role;     // give every frame `role` instead of the source's own
     sheen_role role;

@@ -130,6 +130,14 @@ bool sheen_source_is_live(const sheen_source *src)
     return src->backend->counters != NULL;
 }
 
+sheen_status sheen_source_expose(sheen_source *src, double factor, double *exposure_s_out, sheen_err *err)
+{
+    return src->backend->expose
+               ? src->backend->expose(src->self, factor, exposure_s_out, err)
+               : sheen_fail(err, SHEEN_EUNSUP,
+                            "the exposure of this source cannot be set: a bracket needs v4l2:");
+}
+
 bool sheen_source_can_recover(const sheen_source *src)
 {
     return src->backend->recover != NULL;

@@ -68,6 +68,11 @@ void sheen_source_counters(sheen_source_counts *out, const sheen_source *src);
 // True for a camera: frames come whether one asks for them or not.
 bool sheen_source_is_live(const sheen_source *src);
 
+// From now on frames are exposed `factor` times as long as the lock of the source says (1: as it says), as near as the
+// device can; the next frame that is given out was, and the picture had come to rest. *exposure_s_out is the time. EUNSUP:
+// this source cannot, or is not locked.
+sheen_status sheen_source_expose(sheen_source *src, double factor, double *exposure_s_out, sheen_err *err);
+
 // What can be tried with a device that stalls, from the mildest on (ladder.h climbs it).
 typedef enum sheen_rung {
     SHEEN_RUNG_RESTART, // the stream

@@ -83,6 +83,30 @@ static sheen_status set_exposure(sheen_v4l2_prepare *p, int32_t value, sheen_v4l
     return code ? sheen_v4l2_fail(err, code, "set the exposure of", p->stream->path) : SHEEN_OK;
 }
 
+sheen_status sheen_v4l2_prepare_expose(sheen_v4l2_prepare *p, double factor, double *exposure_s_out,
+                                       sheen_err *err)
+{
+    sheen_v4l2_setting *set = NULL;
+    int32_t got = 0;
+    for (int i = 0; i < p->lock.n_settings; i++)
+        if (p->lock.settings[i].id == V4L2_CID_EXPOSURE_ABSOLUTE)
+            set = &p->lock.settings[i];
+    if (!set || p->phase != SHEEN_V4L2_FINISHED)
+        return sheen_fail(err, SHEEN_EUNSUP,
+                          "the exposure of '%.200s' is not under the lock: a bracket needs that",
+                          p->stream->path);
+    p->base_exposure = p->base_exposure ? p->base_exposure : set->value;
+    const int32_t want = (int32_t)fmax(1, floor(p->base_exposure * factor + 0.5));
+    const sheen_status s = set_exposure(p, want, SHEEN_V4L2_SETTLE, err);
+    const int code = s ? 0 : sheen_v4l2_control_get(&got, p->stream->io, p->stream->fd, set->id);
+    if (s || code)
+        return s ? s : sheen_v4l2_fail(err, code, "read back the exposure of", p->stream->path);
+    set->value = got;
+    p->probed = true;
+    *exposure_s_out = sheen_v4l2_lock_exposure_s(&p->lock);
+    return SHEEN_OK;
+}
+
 // Half the locked exposure is *can, where the camera has that and the picture is neither black nor white.
 static sheen_status can_probe(bool *can, sheen_v4l2_prepare *p, sheen_err *err)
 {

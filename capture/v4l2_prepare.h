@@ -35,6 +35,7 @@ typedef struct sheen_v4l2_prepare {
     sheen_settle settle;
     float rgb[3]; // light of the settled picture
     int32_t exposure, probe_exposure;
+    int32_t base_exposure; // that the lock first said; 0: not asked for yet
 } sheen_v4l2_prepare;
 
 // The stream has begun. With a camera whose exposure is fixed already, the lock is set at once. As sheen_v4l2_lock_set.
@@ -44,6 +45,10 @@ void sheen_v4l2_prepare_again(sheen_v4l2_prepare *p);
 // The stream was started anew, maybe of a camera that was plugged in anew: the same lock is set again (where there was one
 // already), and everything is proven again. As sheen_v4l2_prepare_begin.
 sheen_status sheen_v4l2_prepare_resume(sheen_v4l2_prepare *p, sheen_err *err);
+// Exposes `factor` times as long as the lock first said, and has the picture settle; the lock then holds that value.
+// EUNSUP where the camera does not take it, ENODEV, EIO.
+sheen_status sheen_v4l2_prepare_expose(sheen_v4l2_prepare *p, double factor, double *exposure_s_out,
+                                       sheen_err *err);
 // Takes a frame of the stream whose exposure began at start_ns (-1: not known); the phase says when it is finished.
 // EDATA where the picture does not rest or does not obey, EUNSUP (the lock), ENODEV, EIO, ENOMEM.
 sheen_status sheen_v4l2_prepare_frame(sheen_v4l2_prepare *p, const sheen_v4l2_frame *frame, int64_t start_ns,

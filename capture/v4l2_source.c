@@ -267,6 +267,12 @@ static bool camera_await(void *self, int timeout_ms)
     return !c->io->await || c->io->await(c->io->self, where(c), c->wake_fd, timeout_ms);
 }
 
+static sheen_status camera_expose(void *self, double factor, double *exposure_s_out, sheen_err *err)
+{
+    camera *c = self;
+    return sheen_v4l2_prepare_expose(&c->prepare, factor, exposure_s_out, err);
+}
+
 static void camera_stop(void *self)
 {
     const camera *c = self;
@@ -288,6 +294,7 @@ const sheen_source_backend sheen_source_v4l2 = {
     .count = NULL,
     .counters = camera_counters,
     .recover = camera_recover,
+    .expose = camera_expose,
     .await = camera_await,
     .close = camera_close,
 };

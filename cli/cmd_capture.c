@@ -54,6 +54,11 @@ static sheen_status parse(sheen_cli *cli, capture_args *a, sheen_err *err)
          "--auto: how far tags may move in 1/30 s (default 0.5)", 0.01, 100},
         {"max-blur", 0, SHEEN_OPTION_NUMBER, &a->max_blur_px, "PX",
          "--auto: how wide edges of tags may be, from 10 to 90 % of\ntheir step (default 3)", 0.5, 100},
+        {"bracket", 0, SHEEN_OPTION_INT, &a->o.bracket, "N",
+         "of a camera that stands still: put each frame together from\nN exposures, each four times as long "
+         "as the "
+         "one before",
+         2, SHEEN_BRACKET_MAX},
         {"hook", 0, SHEEN_OPTION_TEXT, &a->hook, "CMD",
          "run CMD by the shell at each step, with ACTION (init,\ndownload, stop) and ARGUMENT (the frame's "
          "file) in its\nenvironment",
@@ -213,6 +218,7 @@ static sheen_status record(sheen_cli *cli, capture_args *a, sheen_session *s, sh
         report_counts(cli, src);
         st = sheen_cli_hook(a->hook, "stop", s->path, err);
     }
+    a->o.policy.self = a->o.check_self = NULL; // they were of this call
     sheen_cli_choose_release(&job.choose);
     sheen_cli_white_release(&job.white);
     return st;

@@ -12,15 +12,15 @@
 void sheen_cli_found(sheen_cli_findings *f, sheen_cli_severity severity, const char *about, const char *fmt,
                      ...)
 {
+    sheen_cli_finding g = {.severity = severity};
     va_list args;
+    va_start(args, fmt);
+    vsnprintf(g.text, sizeof g.text, fmt, args);
+    va_end(args);
     if (f->n_findings == SHEEN_CLI_MAX_FINDINGS)
         return;
-    sheen_cli_finding *g = &f->findings[f->n_findings++];
-    g->severity = severity;
-    snprintf(g->about, sizeof g->about, "%s", about);
-    va_start(args, fmt);
-    vsnprintf(g->text, sizeof g->text, fmt, args);
-    va_end(args);
+    snprintf(g.about, sizeof g.about, "%s", about);
+    f->findings[f->n_findings++] = g;
     f->n_wrong += severity == SHEEN_CLI_WRONG;
 }
 
