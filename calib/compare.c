@@ -13,6 +13,7 @@ enum { GRID_COLS = 32, GRID_ROWS = 24, N = GRID_COLS * GRID_ROWS, ROUNDS = 10 };
 
 typedef struct grid {
     const sheen_camera *to;
+    double centre_px[2], inner_px, outer_px;       // which points are measured
     double q_px[2 * N];                            // in the first camera
     double p_cam[3 * N];                           // there, at the distance
     double p_to[3 * N], q_to[2 * N], dq_dp[6 * N]; // in the second
@@ -33,12 +34,17 @@ static sheen_status project(grid *g, const sheen_Rt *Rt, sheen_err *err)
 static void measure(double *rms_px, double *max_px, const grid *g)
 {
     double sum = 0, max = 0;
+    size_t n = 0;
     for (size_t i = 0; i < N; i++) {
+        const double r = hypot(g->q_px[2 * i] - g->centre_px[0], g->q_px[2 * i + 1] - g->centre_px[1]);
+        if (r < g->inner_px || r >= g->outer_px)
+            continue;
+        n++;
         const double e = hypot(g->q_to[2 * i] - g->q_px[2 * i], g->q_to[2 * i + 1] - g->q_px[2 * i + 1]);
         sum += e * e;
         max = fmax(max, e);
     }
-    *rms_px = sqrt(sum / N);
+    *rms_px = n ? sqrt(sum / (double)n) : (double)NAN;
     *max_px = max;
 }
 
@@ -91,12 +97,22 @@ static sheen_status aligned(double *rms_px, double *max_px, grid *g, int n, shee
 sheen_status sheen_camera_compare(sheen_camera_difference *out, const sheen_camera *a, const sheen_camera *b,
                                   double distance_m, sheen_err *err)
 {
+    return sheen_camera_compare_ring(out, a, b, distance_m, 0, INFINITY, err);
+}
+
+sheen_status sheen_camera_compare_ring(sheen_camera_difference *out, const sheen_camera *a,
+                                       const sheen_camera *b, double distance_m, double inner_px,
+                                       double outer_px, sheen_err *err)
+{
     if (a->width_px != b->width_px || a->height_px != b->height_px)
         return sheen_fail(err, SHEEN_EARG, "cameras of %d x %d and %d x %d px cannot be compared",
                           a->width_px, a->height_px, b->width_px, b->height_px);
     if (!(distance_m > 0) || !isfinite(distance_m))
         return sheen_fail(err, SHEEN_EARG, "cameras cannot be compared at a distance of %g m", distance_m);
-    grid g = {.to = b};
+    grid g = {.to = b,
+              .centre_px = {(a->width_px - 1) / 2.0, (a->height_px - 1) / 2.0},
+              .inner_px = inner_px,
+              .outer_px = outer_px};
     for (size_t i = 0; i < N; i++) {
         g.q_px[2 * i] = (double)(i % GRID_COLS) / (GRID_COLS - 1) * (a->width_px - 1);
         const size_t row = i / GRID_COLS;

@@ -25,6 +25,12 @@ typedef struct sheen_camera_difference {
 sheen_status sheen_camera_compare(sheen_camera_difference *out, const sheen_camera *a, const sheen_camera *b,
                                   double distance_m, sheen_err *err);
 
+// The same alignment, over the whole image, but the figures of the ring from inner_px to outer_px about the image's
+// centre alone.
+sheen_status sheen_camera_compare_ring(sheen_camera_difference *out, const sheen_camera *a,
+                                       const sheen_camera *b, double distance_m, double inner_px,
+                                       double outer_px, sheen_err *err);
+
 #ifdef __cplusplus
 }
 #endif
