@@ -20,6 +20,7 @@ void sheen_calibration_release(sheen_calibration *c)
 {
     free(c->frames);
     free(c->corners);
+    free(c->lens_covariance);
     *c = (sheen_calibration){0};
 }
 
@@ -146,6 +147,18 @@ static void find_sigma(sheen_calibration *c, const sheen_problem *p)
         c->sigma_worst_px = sigma_px[i] <= c->sigma_worst_px ? c->sigma_worst_px : sigma_px[i];
 }
 
+static sheen_status find_covariance(sheen_calibration *c, const sheen_problem *p, sheen_err *err)
+{
+    const size_t n = (size_t)p->camera.n_intrinsics;
+    c->lens_covariance = calloc(n * n, sizeof *c->lens_covariance);
+    if (!c->lens_covariance)
+        return sheen_fail_memory(err, (double)(n * n) * sizeof(double), "the uncertainty of a lens");
+    const sheen_status s = sheen_problem_lens_covariance(c->lens_covariance, p, c->noise_px, err);
+    for (size_t i = 0; i < n * n && s == SHEEN_EDATA; i++)
+        c->lens_covariance[i] = (double)NAN;
+    return s == SHEEN_EDATA ? SHEEN_OK : s;
+}
+
 static sheen_status run(sheen_calibration *c, sheen_calibrate_job *j, const sheen_progress *progress,
                         sheen_err *err)
 {
@@ -169,6 +182,9 @@ static sheen_status run(sheen_calibration *c, sheen_calibrate_job *j, const shee
     if (!s) {
         find_sigma(c, &p);
         sheen_calibration_bound(c);
+        s = find_covariance(c, &p, err);
+    }
+    if (!s) {
         s = sheen_job_cross_validate(c, j, err);
     }
     if (!s) {

@@ -99,6 +99,8 @@ typedef struct sheen_calibration {
     // the coverage cells. NaN where it could not be had.
     double sigma_centre_px, sigma_worst_px;
     double sigma_px[SHEEN_SIGMA_ROWS][SHEEN_SIGMA_COLS]; // the same over the middles of a finer grid
+    double
+        *lens_covariance; // [n_intrinsics][n_intrinsics] of camera.intrinsics, zero where the model holds one
     // The part of the image about its centre where that is at most SHEEN_VALID_SIGMA_PX: a closed outline in px.
     int n_region;
     double region_px[SHEEN_REGION_MAX][2];

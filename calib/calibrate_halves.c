@@ -2,11 +2,10 @@
 // calibrate_halves.c - what one half of the frames says about the other: are two cameras from the halves as alike
 // as their uncertainties promise, and which lens model predicts frames that it has not seen.
 //
-// First question. With lens parameters b, covariance C of each half, and a point p through a pixel, the halves'
-// projections differ by G (b1 - b0), G = dq/db. A calibration cannot tell a moved or turned camera from moved
-// boards, so the rigid motion that explains most is taken out of both sides: M = (I - J (J'J)^-1 J') G with J the
-// derivatives by that motion. The normalised error is the root of the mean over the grid's points of
-// |r|^2 / trace(M (C0 + C1) M'): 1 in the mean where noise and model are as assumed.
+// First question. With lens parameters b, covariance C of each half, the halves' projections differ by G (b1 - b0),
+// G = dq/db; the rigid motion that explains most is taken out of the difference and of G (lens_grid.h). The
+// normalised error is the root of the mean over the grid's points of |r|^2 / trace(M (C0 + C1) M'): 1 in the mean
+// where noise and model are as assumed.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,104 +13,17 @@
 #include "calib/calibrate_job.h"
 #include "calib/calibrate_outliers.h"
 #include "calib/calibrate_seed.h"
-#include "calib/cholesky.h"
-
-enum { GRID_COLS = 18, GRID_ROWS = 14, MAX_POINTS = GRID_COLS * GRID_ROWS };
+#include "calib/lens_grid.h"
 
 static const double HELD_OUT_LIMIT = 10; // sigmas; what no lens model explains says nothing about lens models
 
-// The grid's points in cells of the image that hold corners, at the board's distance; with derivatives.
-typedef struct grid {
-    size_t n, n_lens;
-    double p_cam[3 * MAX_POINTS], difference_px[2 * MAX_POINTS];
-    double J[MAX_POINTS * 2][6]; // by rotation and translation
-    double *G;                   // [2n][n_lens]
-} grid;
-
-static bool seen(const sheen_calibration *c, const double q_px[2])
+static bool seen(const void *self, const double q_px[2])
 {
+    const sheen_calibration *c = self;
     const int col = (int)((q_px[0] + 0.5) / c->camera.width_px * SHEEN_COVERAGE_COLS);
     const int row = (int)((q_px[1] + 0.5) / c->camera.height_px * SHEEN_COVERAGE_ROWS);
     return col >= 0 && row >= 0 && col < SHEEN_COVERAGE_COLS && row < SHEEN_COVERAGE_ROWS &&
            c->cells[row][col] > 0;
-}
-
-static void motion_gradient(double J[2][6], const double dq_dp[6], const double p[3])
-{
-    // d(exp(w) p + t)/d(w, t) = [-[p]x  I]
-    const double dp[3][6] = {{0, p[2], -p[1], 1, 0, 0}, {-p[2], 0, p[0], 0, 1, 0}, {p[1], -p[0], 0, 0, 0, 1}};
-    for (int k = 0; k < 2; k++)
-        for (int j = 0; j < 6; j++)
-            J[k][j] = dq_dp[3 * k] * dp[0][j] + dq_dp[3 * k + 1] * dp[1][j] + dq_dp[3 * k + 2] * dp[2][j];
-}
-
-static sheen_status grid_fill(grid *g, const sheen_calibration *c, const sheen_camera half[2], sheen_err *err)
-{
-    double q_px[2 * MAX_POINTS], q_other[2 * MAX_POINTS], dq_dp[6 * MAX_POINTS];
-    g->n = 0;
-    g->n_lens = (size_t)half[0].n_intrinsics;
-    for (int i = 0; i < MAX_POINTS; i++) {
-        const int col = i % GRID_COLS, row = i / GRID_COLS;
-        double *q = q_px + 2 * g->n;
-        q[0] = (col + 0.5) / GRID_COLS * half[0].width_px - 0.5;
-        q[1] = (row + 0.5) / GRID_ROWS * half[0].height_px - 0.5;
-        g->n += seen(c, q);
-    }
-    g->G = calloc(2 * g->n * g->n_lens + 1, sizeof *g->G);
-    if (!g->G)
-        return sheen_fail_memory(err, 2 * (double)(g->n * g->n_lens) * sizeof *g->G, "a cross-validation");
-    sheen_status s = sheen_camera_unproject(&half[0], g->p_cam, q_px, g->n, err);
-    for (size_t i = 0; i < 3 * g->n; i++)
-        g->p_cam[i] *= c->distance_m;
-    if (!s)
-        s = sheen_camera_project(&half[1], q_other, dq_dp, g->p_cam, g->n, err);
-    for (size_t i = 0; i < g->n && !s; i++) {
-        motion_gradient(&g->J[2 * i], dq_dp + 6 * i, g->p_cam + 3 * i);
-        s = sheen_lens_gradient(g->G + 2 * i * g->n_lens, &half[0], g->p_cam + 3 * i, err);
-    }
-    for (size_t i = 0; i < 2 * g->n && !s; i++) {
-        g->difference_px[i] = q_other[i] - q_px[i];
-        if (!isfinite(g->difference_px[i]))
-            s = sheen_fail(err, SHEEN_EDATA, "one half's camera looks where the other's cannot");
-    }
-    return s;
-}
-
-// Takes out of n columns of `rows` (2n rows, one every `stride` numbers) what the six columns of J explain.
-static bool project_out(const grid *g, double *values, size_t n_columns)
-{
-    double A[36] = {0};
-    for (size_t i = 0; i < 2 * g->n; i++)
-        for (int u = 0; u < 6; u++)
-            for (int v = 0; v <= u; v++)
-                A[6 * u + v] += g->J[i][u] * g->J[i][v];
-    if (!sheen_cholesky(A, 6))
-        return false;
-    for (size_t k = 0; k < n_columns; k++) {
-        double b[6] = {0};
-        for (size_t i = 0; i < 2 * g->n; i++)
-            for (int u = 0; u < 6; u++)
-                b[u] += g->J[i][u] * values[i * n_columns + k];
-        sheen_cholesky_solve(b, A, 6);
-        for (size_t i = 0; i < 2 * g->n; i++)
-            for (int u = 0; u < 6; u++)
-                values[i * n_columns + k] -= g->J[i][u] * b[u];
-    }
-    return true;
-}
-
-// trace of the 2 x 2 covariance of point i: M C M' for its two rows of M.
-static double variance_at(const double *M, const double *C, size_t n)
-{
-    double sum = 0;
-    for (size_t k = 0; k < 2; k++)
-        for (size_t a = 0; a < n; a++) {
-            double row = 0;
-            for (size_t b = 0; b < n; b++)
-                row += C[a * n + b] * M[k * n + b];
-            sum += M[k * n + a] * row;
-        }
-    return sum;
 }
 
 static double noise_of(const sheen_problem *p)
@@ -133,34 +45,38 @@ static sheen_status normalise(double *error, const sheen_calibration *c, const s
     const size_t n = (size_t)p[0].camera.n_intrinsics;
     const sheen_camera half[2] = {p[0].camera, p[1].camera};
     double *C[2] = {calloc(n * n, sizeof(double)), calloc(n * n, sizeof(double))};
-    grid *g = calloc(1, sizeof *g);
+    double *r = calloc(2 * SHEEN_LENS_GRID_MAX, sizeof *r);
+    sheen_lens_grid *g = calloc(1, sizeof *g);
     sheen_status s = SHEEN_OK;
     *error = (double)NAN;
     if (strcmp(half[0].lensmodel, half[1].lensmodel) != 0)
         goto done; // two splines of different fields share no parameters
-    if (!C[0] || !C[1] || !g) {
+    if (!C[0] || !C[1] || !g || !r) {
         s = sheen_fail_memory(err, 2 * (double)(n * n) * sizeof(double), "a cross-validation");
         goto done;
     }
     for (int k = 0; k < 2 && !s; k++)
         s = sheen_problem_lens_covariance(C[k], &p[k], noise_of(&p[k]), err);
     if (!s)
-        s = grid_fill(g, c, half, err);
-    if (s || g->n < 12 || !project_out(g, g->G, n) || !project_out(g, g->difference_px, 1))
+        s = sheen_lens_grid_init(g, &half[0], c->distance_m, seen, c, err);
+    if (!s)
+        s = sheen_camera_project(&half[1], r, NULL, g->p_cam, g->n, err);
+    for (size_t i = 0; i < 2 * g->n; i++)
+        r[i] -= g->q_px[i];
+    if (s || !sheen_lens_grid_project_out(g, r, 1))
         goto done;
     for (size_t i = 0; i < n * n; i++)
         C[0][i] += C[1][i];
     double sum = 0;
-    for (size_t i = 0; i < g->n; i++) {
-        const double *r = g->difference_px + 2 * i;
-        sum += (r[0] * r[0] + r[1] * r[1]) / variance_at(g->G + 2 * i * n, C[0], n);
-    }
+    for (size_t i = 0; i < g->n; i++)
+        sum += (r[2 * i] * r[2 * i] + r[2 * i + 1] * r[2 * i + 1]) / sheen_lens_grid_variance(g, i, C[0]);
     *error = sqrt(sum / (double)g->n);
 
 done:
     if (g)
-        free(g->G);
+        sheen_lens_grid_release(g);
     free(g);
+    free(r);
     free(C[0]);
     free(C[1]);
     return s == SHEEN_ENOMEM ? s : SHEEN_OK; // anything else says: not to be had

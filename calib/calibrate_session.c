@@ -129,3 +129,24 @@ sheen_status sheen_calibrate_files(sheen_calibration *out, const char *const *pa
     sheen_board_release(&board);
     return s;
 }
+
+sheen_status sheen_calibrate_table(sheen_calibration *out, const char *vnl_path, const int size_px[2],
+                                   const char *board_path, const sheen_calibrate_options *options,
+                                   sheen_err *err)
+{
+    sheen_board board = {0};
+    sheen_views views = {0};
+    sheen_vnl vnl = {0};
+    *out = (sheen_calibration){0};
+    sheen_status s = sheen_board_load(&board, board_path, err);
+    if (!s)
+        s = sheen_vnl_load(&vnl, vnl_path, board.n_cols - 1, board.n_rows - 1, err);
+    if (!s)
+        s = sheen_views_of_vnl(&views, &vnl, size_px, &board, err);
+    if (!s)
+        s = sheen_calibrate(out, &board, views.views, views.n_views, options, err);
+    sheen_views_release(&views);
+    sheen_vnl_release(&vnl);
+    sheen_board_release(&board);
+    return s;
+}

@@ -29,6 +29,11 @@ sheen_status sheen_calibrate_files(sheen_calibration *out, const char *const *pa
                                    const char *board_path, const sheen_calibrate_options *options,
                                    sheen_err *err);
 
+// The same from a table of corners (vnl.h) of pictures of size_px[2].
+sheen_status sheen_calibrate_table(sheen_calibration *out, const char *vnl_path, const int size_px[2],
+                                   const char *board_path, const sheen_calibrate_options *options,
+                                   sheen_err *err);
+
 // camera.cameramodel with all digits, the valid region, and all that mrcal's tools need to show its uncertainty and
 // residuals. EIO, ENOMEM.
 sheen_status sheen_calibration_save_camera(const sheen_calibration *c, const char *path, sheen_err *err);

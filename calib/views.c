@@ -162,3 +162,45 @@ sheen_status sheen_views_of_files(sheen_views *out, const char *const *paths, si
     }
     return status;
 }
+
+static sheen_status take_rows(sheen_board_view *view, const sheen_vnl_frame *frame, const sheen_board *board,
+                              sheen_err *err)
+{
+    view->saddles = calloc(frame->n_found + 1, sizeof *view->saddles);
+    if (!view->saddles)
+        return sheen_fail_memory(err, (double)frame->n_found * sizeof *view->saddles, "corners");
+    for (size_t i = 0; i < board->n_corners && frame->corners; i++) {
+        const double *q = frame->corners + 3 * i;
+        if (!(q[2] > 0))
+            continue;
+        if (!(q[0] > -1 && q[1] > -1 && q[0] < view->width_px && q[1] < view->height_px))
+            return sheen_fail(err, SHEEN_EDATA,
+                              "frame '%s' has a corner at (%g, %g), beyond its %d x %d px: check --size",
+                              view->name, q[0], q[1], view->width_px, view->height_px);
+        sheen_saddle *saddle = &view->saddles[view->n_saddles++];
+        *saddle = (sheen_saddle){
+            .row = board->corners[i].row, .col = board->corners[i].col, .q_px = {q[0], q[1]}};
+        memcpy(saddle->p_board, board->corners[i].p_board, sizeof saddle->p_board);
+    }
+    return SHEEN_OK;
+}
+
+sheen_status sheen_views_of_vnl(sheen_views *out, const sheen_vnl *vnl, const int size_px[2],
+                                const sheen_board *board, sheen_err *err)
+{
+    sheen_status s = SHEEN_OK;
+    *out = (sheen_views){.views = calloc(vnl->n_frames + 1, sizeof *out->views), .n_views = vnl->n_frames};
+    if (!out->views)
+        return sheen_fail_memory(err, (double)vnl->n_frames * sizeof *out->views, "views of the board");
+    for (size_t i = 0; i < vnl->n_frames && !s; i++) {
+        sheen_board_view *view = &out->views[i];
+        view->width_px = size_px[0];
+        view->height_px = size_px[1];
+        snprintf(view->file, sizeof view->file, "%.127s", vnl->frames[i].file);
+        snprintf(view->name, sizeof view->name, "%.63s", sheen_path_base(vnl->frames[i].file));
+        s = take_rows(view, &vnl->frames[i], board, err);
+    }
+    if (s)
+        sheen_views_release(out);
+    return s;
+}

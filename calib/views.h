@@ -9,6 +9,7 @@
 #include "base/progress.h"
 #include "base/session.h"
 #include "calib/view.h"
+#include "calib/vnl.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -31,6 +32,10 @@ sheen_status sheen_views_of_session(sheen_views *out, const sheen_session *s,
 sheen_status sheen_views_of_files(sheen_views *out, const char *const *paths, size_t n_paths,
                                   const sheen_board *board, int n_threads, const sheen_progress *progress,
                                   sheen_err *err);
+
+// The corners of a table for this board, of pictures of size_px[2]; without tags. EDATA: a corner beyond the picture.
+sheen_status sheen_views_of_vnl(sheen_views *out, const sheen_vnl *vnl, const int size_px[2],
+                                const sheen_board *board, sheen_err *err);
 
 #ifdef __cplusplus
 }
