@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// devices_udev.c - finds video nodes, their lasting names and their return through libudev; the only file that includes it.
+// devices_udev.c - finds video nodes, serial lines, their lasting names and their return through libudev; the only file
+// that includes it.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +12,7 @@
 #include <libudev.h>
 
 #include "capture/devices.h"
+#include "capture/serial_devices.h"
 
 static void copy_text(char *out, size_t size_bytes, const char *text)
 {
@@ -60,9 +62,14 @@ static int compare_paths(const void *a, const void *b)
     return n != m ? (n < m ? -1 : 1) : strcmp(d->path, e->path); // video2 before video10
 }
 
-static sheen_status collect(sheen_device **devices, size_t *n, struct udev_enumerate *all, struct udev *udev,
-                            sheen_err *err)
+typedef struct camera_list {
+    sheen_device *devices;
+    size_t n;
+} camera_list;
+
+static sheen_status collect_cameras(void *self, struct udev_enumerate *all, struct udev *udev, sheen_err *err)
 {
+    camera_list *list = self;
     struct udev_list_entry *e;
     udev_list_entry_foreach(e, udev_enumerate_get_list_entry(all))
     {
@@ -71,47 +78,126 @@ static sheen_status collect(sheen_device **devices, size_t *n, struct udev_enume
             continue; // gone meanwhile
         const char *node = udev_device_get_devnode(dev);
         if (node && !strncmp(node, "/dev/video", 10)) {
-            sheen_device *grown = realloc(*devices, (*n + 1) * sizeof *grown);
+            sheen_device *grown = realloc(list->devices, (list->n + 1) * sizeof *grown);
             if (!grown) {
                 udev_device_unref(dev);
-                return sheen_fail_memory(err, (double)(*n + 1) * sizeof *grown, "the list of cameras");
+                return sheen_fail_memory(err, (double)(list->n + 1) * sizeof *grown, "the list of cameras");
             }
-            *devices = grown;
-            describe(&grown[*n], dev);
-            if (sheen_device_ask(&grown[*n], &sheen_v4l2_kernel))
-                ++*n;
+            list->devices = grown;
+            describe(&grown[list->n], dev);
+            if (sheen_device_ask(&grown[list->n], &sheen_v4l2_kernel))
+                list->n++;
         }
         udev_device_unref(dev);
     }
     return SHEEN_OK;
 }
 
-sheen_status sheen_devices_list(sheen_device **devices_out, size_t *n_out, sheen_err *err)
+typedef sheen_status collector(void *list, struct udev_enumerate *all, struct udev *udev, sheen_err *err);
+
+// Lets `collect` go through all devices of a subsystem.
+static sheen_status enumerate(const char *subsystem, collector *collect, void *list, sheen_err *err)
 {
-    sheen_device *devices = NULL;
-    size_t n = 0;
-    *devices_out = NULL;
-    *n_out = 0;
     struct udev *udev = udev_new();
     struct udev_enumerate *all = udev ? udev_enumerate_new(udev) : NULL;
     sheen_status s = SHEEN_OK;
-    if (!all || udev_enumerate_add_match_subsystem(all, "video4linux") < 0 ||
+    if (!all || udev_enumerate_add_match_subsystem(all, subsystem) < 0 ||
         udev_enumerate_scan_devices(all) < 0)
         s = sheen_fail(err, SHEEN_EIO, "the list of devices cannot be read: is '/sys' mounted?");
     if (!s)
-        s = collect(&devices, &n, all, udev, err);
+        s = collect(list, all, udev, err);
     udev_enumerate_unref(all);
     udev_unref(udev);
+    return s;
+}
+
+sheen_status sheen_devices_list(sheen_device **devices_out, size_t *n_out, sheen_err *err)
+{
+    camera_list list = {0};
+    *devices_out = NULL;
+    *n_out = 0;
+    const sheen_status s = enumerate("video4linux", collect_cameras, &list, err);
     if (s) {
-        sheen_devices_release(devices, n);
+        sheen_devices_release(list.devices, list.n);
         return s;
     }
-    if (n) {
-        qsort(devices, n, sizeof *devices, compare_paths);
-        sheen_devices_find_ports(devices, n);
+    if (list.n) {
+        qsort(list.devices, list.n, sizeof *list.devices, compare_paths);
+        sheen_devices_find_ports(list.devices, list.n);
     }
-    *devices_out = devices;
-    *n_out = n;
+    *devices_out = list.devices;
+    *n_out = list.n;
+    return SHEEN_OK;
+}
+
+typedef struct serial_list {
+    sheen_serial_device *devices;
+    size_t n;
+} serial_list;
+
+static void describe_serial(sheen_serial_device *d, struct udev_device *dev, struct udev_device *usb)
+{
+    struct udev_list_entry *e;
+    *d = (sheen_serial_device){0};
+    copy_text(d->path, sizeof d->path, udev_device_get_devnode(dev));
+    udev_list_entry_foreach(e, udev_device_get_devlinks_list_entry(dev))
+    {
+        const char *link = udev_list_entry_get_name(e);
+        if (!strncmp(link, "/dev/serial/by-id/", 18))
+            copy_text(d->by_id, sizeof d->by_id, link);
+        else if (!strcmp(link, SHEEN_TURNTABLE_LINK))
+            d->is_turntable = true;
+    }
+    copy_text(d->name, sizeof d->name, udev_device_get_sysattr_value(usb, "product"));
+    copy_text(d->serial, sizeof d->serial, udev_device_get_sysattr_value(usb, "serial"));
+    d->vendor_id = number(udev_device_get_sysattr_value(usb, "idVendor"), 16);
+    d->product_id = number(udev_device_get_sysattr_value(usb, "idProduct"), 16);
+}
+
+static sheen_status collect_serials(void *self, struct udev_enumerate *all, struct udev *udev, sheen_err *err)
+{
+    serial_list *list = self;
+    struct udev_list_entry *e;
+    udev_list_entry_foreach(e, udev_enumerate_get_list_entry(all))
+    {
+        struct udev_device *dev = udev_device_new_from_syspath(udev, udev_list_entry_get_name(e));
+        struct udev_device *usb =
+            dev ? udev_device_get_parent_with_subsystem_devtype(dev, "usb", "usb_device") : NULL;
+        if (!usb || !udev_device_get_devnode(dev)) { // gone meanwhile, or soldered to the board
+            udev_device_unref(dev);
+            continue;
+        }
+        sheen_serial_device *grown = realloc(list->devices, (list->n + 1) * sizeof *grown);
+        if (grown) {
+            list->devices = grown;
+            describe_serial(&grown[list->n++], dev, usb);
+        }
+        udev_device_unref(dev);
+        if (!grown)
+            return sheen_fail_memory(err, (double)(list->n + 1) * sizeof *grown, "the list of serial lines");
+    }
+    return SHEEN_OK;
+}
+
+static int compare_serials(const void *a, const void *b)
+{
+    return strcmp(((const sheen_serial_device *)a)->path, ((const sheen_serial_device *)b)->path);
+}
+
+sheen_status sheen_serial_devices_list(sheen_serial_device **devices_out, size_t *n_out, sheen_err *err)
+{
+    serial_list list = {0};
+    *devices_out = NULL;
+    *n_out = 0;
+    const sheen_status s = enumerate("tty", collect_serials, &list, err);
+    if (s) {
+        free(list.devices);
+        return s;
+    }
+    if (list.n)
+        qsort(list.devices, list.n, sizeof *list.devices, compare_serials);
+    *devices_out = list.devices;
+    *n_out = list.n;
     return SHEEN_OK;
 }
 
