@@ -7,6 +7,7 @@
 #include "cli/cli.h"
 #include "cli/commands.h"
 #include "cli/export.h"
+#include "render/stand_still.h"
 
 typedef struct target {
     const char *ending; // of the output's name
@@ -77,7 +78,9 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
         return st;
     st = sheen_cli_view_open(&v, &s, err);
     if (!st) {
-        st = made->make(cli, &a, &s, &v, err);
+        st = sheen_model_stand_still(&v.model, 0, err); // no format of others has light on the diffuse part
+        if (!st)
+            st = made->make(cli, &a, &s, &v, err);
         sheen_cli_view_close(&v);
     }
     sheen_session_release(&s);

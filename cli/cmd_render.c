@@ -17,7 +17,7 @@ static const double rad_per_deg = 3.14159265358979323846 / 180;
 
 typedef struct render_args {
     const char *poses, *output, *orbit, *view, *spin, *format;
-    const char *tint, *background, *holes;
+    const char *tint, *background, *holes, *lights;
     int size_px[2];
     double elevation_deg, distance_m, duration_s, turn_lights_deg;
     int frames_per_s, samples, n_threads, count;
@@ -85,6 +85,8 @@ static sheen_status check(sheen_cli *cli, render_args *a, sheen_err *err)
     if (a->orbit && sheen_cli_layer_is_geometry(a->picture.layer))
         return sheen_cli_usage(cli, err, "a film has no layer '%s': use --poses, --view or --spin",
                                a->picture.layer);
+    if (a->lights && strcmp(a->lights, "still") != 0 && strcmp(a->lights, "turn") != 0)
+        return sheen_cli_usage(cli, err, "unknown lights '%.40s': use still or turn", a->lights);
     if (strcmp(a->format, "png") != 0 && strcmp(a->format, "exr") != 0)
         return sheen_cli_usage(cli, err, "unknown format '%.40s': use png or exr", a->format);
     const char *ending = a->view ? sheen_path_extension(a->output) : a->format;
@@ -134,6 +136,10 @@ static sheen_status parse(sheen_cli *cli, render_args *a, sheen_err *err)
         {"holes", 0, SHEEN_OPTION_TEXT, &a->holes, "HOW",
          "surface that no photograph saw: mark (magenta, the\ndefault), black, or fill from what lies around "
          "it",
+         0, 0},
+        {"lights", 0, SHEEN_OPTION_TEXT, &a->lights, "WHICH",
+         "of an object on a turntable: still, it turns under them as\nit did (default); turn, they turn with "
+         "it as in the first\nphotograph, and the camera goes round both",
          0, 0},
         {"turn-lights", 0, SHEEN_OPTION_NUMBER, &a->turn_lights_deg, "DEG",
          "turn the lights about the board's z, counter-clockwise", -360, 360},
@@ -287,6 +293,7 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
         v.options.samples_per_side = a.samples;
         v.options.n_threads = a.n_threads;
         v.options.mark_holes = !a.holes || !strcmp(a.holes, "mark");
+        v.lights_turn = a.lights && !strcmp(a.lights, "turn");
         v.turn_lights_rad = a.turn_lights_deg * rad_per_deg;
         for (int c = 0; c < 3 && a.background; c++)
             v.options.background_rgb[c] = (float)a.background_rgb[c];

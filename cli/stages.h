@@ -26,7 +26,8 @@ typedef struct sheen_cli_view {
     double rt_board_obj[6];
     sheen_drawing *drawing;
     sheen_draw_options options;
-    double turn_lights_rad; // about the board's z, counter-clockwise from above
+    bool lights_turn; // with an object that turned, as in the first photograph; else it turns under them
+    double turn_lights_rad; // besides, about the board's z, counter-clockwise from above
 } sheen_cli_view;
 
 // What a person may change about a model before it is drawn.

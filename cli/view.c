@@ -51,20 +51,17 @@ sheen_status sheen_cli_view_pinhole(sheen_camera *out, const sheen_cli_view *v, 
 sheen_status sheen_cli_view_draw(sheen_layers *layers, const sheen_cli_view *v, const sheen_camera *cam,
                                  const double rt_cam_obj[6], sheen_err *err)
 {
-    // Turning the lights one way is turning the object the other way under them, about the board's z. Where the
-    // object was turned, world is the camera's frame: the lights stand still in front of it.
+    // Turning the lights one way is turning the object the other way under them, about the board's z.
     const double rt_turn[6] = {0, 0, -v->turn_lights_rad, 0, 0, 0};
-    double rt_obj_board[6], rt_turned_obj[6], rt_world_obj[6];
+    double rt_obj_board[6], rt_turned_obj[6], rt_obj_turned[6], rt_world_obj[6], rt_place[6];
+    sheen_rt_invert(rt_obj_board, v->rt_board_obj);
     sheen_rt_compose(rt_turned_obj, rt_turn, v->rt_board_obj);
-    memcpy(rt_world_obj, rt_turned_obj, sizeof rt_world_obj);
-    if (v->model.moving == SHEEN_MOVING_OBJECT) {
-        double rt_cam_board[6];
-        sheen_rt_invert(rt_obj_board, v->rt_board_obj);
-        sheen_rt_compose(rt_cam_board, rt_cam_obj, rt_obj_board);
-        sheen_rt_compose(rt_world_obj, rt_cam_board, rt_turned_obj);
-    }
-    const bool plain = v->turn_lights_rad == 0 && v->model.moving != SHEEN_MOVING_OBJECT;
-    return sheen_redraw(layers, v->drawing, cam, rt_cam_obj, plain ? NULL : rt_world_obj, &v->options, err);
+    sheen_rt_compose(rt_obj_turned, rt_obj_board, rt_turned_obj);
+    sheen_model_place(rt_place, &v->model, rt_cam_obj);
+    sheen_rt_compose(rt_world_obj, v->lights_turn ? v->model.rt_world_obj : rt_place, rt_obj_turned);
+    if (v->turn_lights_rad == 0)
+        memcpy(rt_world_obj, v->lights_turn ? v->model.rt_world_obj : rt_place, sizeof rt_world_obj);
+    return sheen_redraw(layers, v->drawing, cam, rt_cam_obj, rt_world_obj, &v->options, err);
 }
 
 sheen_status sheen_cli_view_pose(double rt_cam_obj[6], const sheen_cli_view *v, const sheen_camera *cam,

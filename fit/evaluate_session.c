@@ -92,9 +92,7 @@ static sheen_status load_outside_photo(stage *st, sheen_photo *photo, const shee
                           st->tests.cam.height_px);
     snprintf(photo->name, sizeof photo->name, "%.63s", view->name);
     sheen_rt_compose(photo->rt_cam_obj, view->rt_cam_world, st->rt_board_obj);
-    const int still = st->model.moving == SHEEN_MOVING_CAMERA;
-    memcpy(photo->rt_world_obj, still ? st->model.rt_world_obj : photo->rt_cam_obj,
-           sizeof photo->rt_world_obj);
+    sheen_model_place(photo->rt_world_obj, &st->model, photo->rt_cam_obj);
     return SHEEN_OK;
 }
 
@@ -151,8 +149,10 @@ static sheen_status evaluate_given(stage *st, sheen_err *err)
 static sheen_status split(stage *st, const sheen_photos *all, int fold, sheen_err *err)
 {
     const size_t size_bytes = all->count * sizeof *all->photos;
-    st->inputs = (sheen_photos){.cam = all->cam, .photos = malloc(size_bytes)};
-    st->tests = (sheen_photos){.cam = all->cam, .photos = malloc(size_bytes)};
+    st->inputs = st->tests = *all;
+    st->inputs.count = st->tests.count = 0;
+    st->inputs.photos = malloc(size_bytes);
+    st->tests.photos = malloc(size_bytes);
     if (!st->inputs.photos || !st->tests.photos)
         return sheen_fail_memory(err, 2.0 * (double)size_bytes, "photographs");
     for (size_t i = 0; i < all->count; i++) {
@@ -171,7 +171,6 @@ static sheen_status evaluate_fold(stage *st, const sheen_photos *all, sheen_mesh
         goto done;
     if ((s = sheen_fit_make(&fit, st->o->method, st->s->moving, mesh, &st->inputs, &st->o->fit, err)))
         goto done;
-    fit.model.moving = st->s->moving;
     st->model = fit.model;
     st->model.mesh = *mesh; // lent
     s = run(st, err);

@@ -225,10 +225,6 @@ sheen_status sheen_fit_session(sheen_fit_summary *out, const sheen_session *s, s
         goto done;
     st.fit.model.mesh = st.mesh; // the model owns it from here on
     st.mesh = (sheen_mesh){0};
-    st.fit.model.moving = s->moving;
-    memcpy(st.fit.model.rt_world_obj, st.photos.photos[0].rt_world_obj, sizeof st.fit.model.rt_world_obj);
-    if (s->moving == SHEEN_MOVING_OBJECT)
-        memset(st.fit.model.rt_world_obj, 0, sizeof st.fit.model.rt_world_obj);
     if ((status = summarize(out, &st.fit, err)))
         goto done;
     watch = sheen_stopwatch_now();

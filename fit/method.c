@@ -49,10 +49,28 @@ static sheen_status align(sheen_align_result *out, const sheen_mesh *mesh, sheen
     return s;
 }
 
-static sheen_status fit_refined(sheen_paper_fit *out, const sheen_mesh *mesh, sheen_photos *photos,
-                                const sheen_paper_options *options, sheen_err *err)
+// The paper's fit, and where its world is.
+static sheen_status start(sheen_paper_fit *out, const sheen_mesh *mesh, const sheen_photos *photos,
+                          sheen_moving moving, const sheen_paper_options *options, sheen_err *err)
 {
-    sheen_status s = sheen_paper_fit_make(out, mesh, photos, options, err);
+    const sheen_status s = sheen_paper_fit_make(out, mesh, photos, options, err);
+    if (s)
+        return s;
+    sheen_model *m = &out->model;
+    const double *rt_world_obj = moving == SHEEN_MOVING_OBJECT ? photos->rt_board_obj
+                                                               : photos->photos[0].rt_world_obj;
+    m->moving = moving;
+    memcpy(m->rt_world_cam, photos->rt_world_cam, sizeof m->rt_world_cam);
+    memcpy(m->rt_world_obj, rt_world_obj, sizeof m->rt_world_obj);
+    return SHEEN_OK;
+}
+
+static sheen_status fit_refined(sheen_paper_fit *out, const sheen_mesh *mesh, sheen_photos *photos,
+                                sheen_moving moving, const sheen_paper_options *options, sheen_err *err)
+{
+    sheen_paper_options o = *options;
+    o.texture_only = moving == SHEEN_MOVING_OBJECT; // its minimum is the shaded side: no residuals of that
+    sheen_status s = start(out, mesh, photos, moving, &o, err);
     if (!s && (s = sheen_refined_fit(out, mesh, photos, options, err)))
         sheen_paper_fit_release(out);
     return s;
@@ -73,7 +91,7 @@ static sheen_status fit_aligned(sheen_paper_fit *out, const sheen_mesh *mesh, sh
                   : sheen_fail_memory(err, 24.0 * (double)photos->count, "pictures");
     }
     if (!s) {
-        s = fit_refined(out, mesh, photos, options, err);
+        s = fit_refined(out, mesh, photos, SHEEN_MOVING_CAMERA, options, err);
         if (taken)
             sheen_align_give_back(photos, taken);
     }
@@ -89,12 +107,9 @@ sheen_status sheen_fit_make(sheen_paper_fit *out, sheen_fit_method method, sheen
                             const sheen_mesh *mesh, sheen_photos *photos, const sheen_paper_options *options,
                             sheen_err *err)
 {
-    if (method == SHEEN_FIT_REFINED && moving != SHEEN_MOVING_CAMERA) {
-        *out = (sheen_paper_fit){0};
-        return sheen_fail(err, SHEEN_EUNSUP,
-                          "the refined method wants a camera that moved about an object that stood "
-                          "still: use --method paper");
-    }
-    return method == SHEEN_FIT_PAPER ? sheen_paper_fit_make(out, mesh, photos, options, err)
-                                     : fit_aligned(out, mesh, photos, options, err);
+    if (method == SHEEN_FIT_PAPER)
+        return start(out, mesh, photos, moving, options, err);
+    // On a turntable the tags say where the object stood, and every exposure has its own light: nothing to agree on.
+    return moving == SHEEN_MOVING_OBJECT ? fit_refined(out, mesh, photos, moving, options, err)
+                                         : fit_aligned(out, mesh, photos, options, err);
 }

@@ -185,7 +185,11 @@ static sheen_status make(run *r, const sheen_scene *scene, sheen_err *err)
 {
     sheen_status s;
     snprintf(r->f->model.method, sizeof r->f->model.method, "paper");
-    if ((s = see(r, scene, err)) || (s = make_texture(r, scene, err)) || (s = make_hemisphere(r, err)))
+    if ((s = see(r, scene, err)) || (s = make_texture(r, scene, err)))
+        return s;
+    if (r->o.texture_only)
+        return sheen_geodesic_init(&r->f->geodesic, r->o.frequency, err);
+    if ((s = make_hemisphere(r, err)))
         return s;
     return estimate_lights(r, err);
 }

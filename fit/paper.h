@@ -21,6 +21,7 @@ typedef struct sheen_paper_options {
     size_t max_samples;   // 0: 30000
     sheen_loss loss;
     bool keep_poses, keep_exposures; // 1: the refined method takes them as they are given
+    bool texture_only;               // stop before the hemisphere: for a method that makes its own residuals
     int n_threads;                   // 0: one a processor
     sheen_progress progress;
 } sheen_paper_options;

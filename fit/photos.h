@@ -18,12 +18,15 @@ typedef struct sheen_photo {
 
 typedef struct sheen_photos {
     sheen_camera cam;
+    double rt_board_obj[6];
+    double rt_world_cam
+        [6]; // of an object that turned: world is the board's frame in the session's first posed frame
     sheen_photo *photos;
     size_t count;
 } sheen_photos;
 
 // All posed frames of a role, decoded. Frames without a pose are left out. EDATA: no camera, no poses or no
-// frame yet (the sentence names the command that makes them); EFORMAT: a frame's size is not the camera's.
+// frame yet (the sentence names the command that makes them), or the object turned and the camera moved as well; EFORMAT: a frame's size is not the camera's.
 sheen_status sheen_photos_load(sheen_photos *out, const sheen_session *s, sheen_role role,
                                const sheen_progress *progress, sheen_err *err);
 void sheen_photos_release(sheen_photos *p);

@@ -90,6 +90,13 @@ static void subtract_mirrored(sheen_refined_state *r, size_t i_view)
         const float F = sheen_fresnel(r->f->model.surroundings.f0, sheen_dotf(n_obj, v_obj));
         for (int c = 0; c < 3; c++)
             p->rgb[c] -= F * mirrored[c];
+        if (r->f->model.irradiance.present) { // the texture is an albedo
+            float albedo[3], light[3];
+            sheen_texture_sample(&r->f->model.texture, &g->hits[at], albedo);
+            sheen_shade_irradiance(light, &r->shading[i_view], p->p_obj, n_obj);
+            for (int c = 0; c < 3; c++)
+                p->rgb[c] -= albedo[c] * (light[c] - 1);
+        }
     }
 }
 

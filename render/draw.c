@@ -119,7 +119,7 @@ static void draw_tile(const job *j, int x0, int y0)
     sheen_tile tile;
     sheen_tile_gather(&tile, g, x0 * n, y0 * n, side * n);
     if (tile.count) {
-        sheen_tile_diffuse(&tile, &j->drawing->model->texture);
+        sheen_tile_diffuse(&tile, &j->shading, g->p_camera_obj);
         sheen_tile_specular(&tile, &j->shading, g->p_camera_obj);
     }
     sums pixels[TILE_SAMPLES_PER_SIDE * TILE_SAMPLES_PER_SIDE];

@@ -41,10 +41,20 @@ void sheen_tile_gather(sheen_tile *tile, const sheen_gbuffer *g, int x0, int y0,
     }
 }
 
-void sheen_tile_diffuse(sheen_tile *tile, const sheen_texture *texture)
+void sheen_tile_diffuse(sheen_tile *tile, const sheen_shading *s, const double p_camera_obj[3])
 {
-    for (int i = 0; i < tile->count; i++)
-        tile->hole[i] = sheen_texture_sample(texture, tile->hits[i], tile->diffuse[i]) <= 0;
+    for (int i = 0; i < tile->count; i++) {
+        float *rgb = tile->diffuse[i];
+        tile->hole[i] = sheen_texture_sample(&s->model->texture, tile->hits[i], rgb) <= 0;
+        if (tile->hole[i] || !s->model->irradiance.present)
+            continue;
+        // Where the object turned, its texture is an albedo.
+        float p_obj[3], n_obj[3], e[3];
+        sheen_hit_surface(&s->model->mesh, tile->hits[i], p_camera_obj, p_obj, n_obj, NULL);
+        sheen_shade_irradiance(e, s, p_obj, n_obj);
+        for (int c = 0; c < 3; c++)
+            rgb[c] *= e[c];
+    }
 }
 
 static bool seen_from_behind(const sheen_mesh *mesh, uint32_t triangle, const float v_obj[3])

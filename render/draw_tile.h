@@ -22,7 +22,7 @@ typedef struct sheen_tile {
 
 // The samples [x0, x0 + side) x [y0, y0 + side) of g, cut to it; side <= SHEEN_TILE_MAX_SIDE.
 void sheen_tile_gather(sheen_tile *tile, const sheen_gbuffer *g, int x0, int y0, int side);
-void sheen_tile_diffuse(sheen_tile *tile, const sheen_texture *texture);
+void sheen_tile_diffuse(sheen_tile *tile, const sheen_shading *shading, const double p_camera_obj[3]);
 void sheen_tile_specular(sheen_tile *tile, const sheen_shading *shading, const double p_camera_obj[3]);
 
 #endif

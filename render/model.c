@@ -97,8 +97,8 @@ sheen_status sheen_model_check(const sheen_model *m, sheen_status code, sheen_er
     if (!is_name(m->method, sizeof m->method))
         return sheen_fail(err, code, "the model's method has no plain name");
     for (int i = 0; i < 6; i++)
-        if (!isfinite(m->rt_world_obj[i]))
-            return sheen_fail(err, code, "the model's pose 'rt_world_obj' is not finite");
+        if (!isfinite(m->rt_world_obj[i]) || !isfinite(m->rt_world_cam[i]))
+            return sheen_fail(err, code, "the model's pose 'rt_world_obj' or 'rt_world_cam' is not finite");
     if (!(m->sigma_rad > 1e-5 && m->sigma_rad <= 2))
         return sheen_fail(err, code, "the roughness 'sigma_rad' %g is out of range (0.00001 to 2)",
                           m->sigma_rad);
@@ -107,7 +107,9 @@ sheen_status sheen_model_check(const sheen_model *m, sheen_status code, sheen_er
     for (int c = 0; c < 3; c++)
         if (!(m->light_rgb[c] >= 0 && m->light_rgb[c] <= 1e6))
             return sheen_fail(err, code, "the lights' colour 'light_rgb' is out of range");
-    const sheen_status s = sheen_model_check_surroundings(&m->surroundings, code, err);
+    sheen_status s = sheen_model_check_surroundings(&m->surroundings, code, err);
+    if (!s)
+        s = sheen_model_check_irradiance(&m->irradiance, code, err);
     return s ? s : check_lights(m, code, err);
 }
 
@@ -143,6 +145,7 @@ void sheen_model_put_numbers(sheen_json_writer *w, const sheen_model *m)
     sheen_json_put_numbers(w, "rt_world_obj", m->rt_world_obj, 6);
     write_lights(w, m);
     sheen_model_put_surroundings(w, m);
+    sheen_model_put_irradiance(w, m);
 }
 
 static void write_surface(sheen_json_writer *w, const sheen_model *m, const char *mesh_file,

@@ -9,6 +9,7 @@
 #include "base/json_write.h"
 #include "base/mesh.h"
 #include "base/session.h"
+#include "render/irradiance.h"
 #include "render/lobe.h"
 #include "render/surroundings.h"
 #include "render/texture.h"
@@ -21,9 +22,11 @@ typedef struct sheen_model {
     char method[24]; // "paper"
     sheen_mesh mesh; // frame obj
     sheen_texture texture;
-    // Lights stand still in `world`: the board's frame where the camera moved, else the camera's.
+    // Lights stand still in `world`: the board's frame; where the object turned, the board's frame in the first
+    // photograph, in which the camera stands still, too.
     sheen_moving moving;
-    double rt_world_obj[6]; // of a hand-held session (rt_board_obj); identity where the object moved
+    double rt_world_obj[6]; // where the object stands in the first photograph (rt_board_obj)
+    double rt_world_cam[6]; // of an object that turned: where the camera stood all the time
     int frequency;          // of the geodesic hemisphere that the lights are nodes of
     size_t n_hemisphere;    // N_L
     uint32_t *node;         // [lights.count] index into that hemisphere
@@ -31,6 +34,7 @@ typedef struct sheen_model {
     sheen_lights lights;    // directions in world; weight = (2 pi / N_L) L_l
     double k_s, sigma_rad;
     int shadows;                     // 1: the mesh hides lights from its own surface (beyond the paper)
+    sheen_irradiance irradiance;     // of an object that turned: the light on its texture (beyond the paper)
     sheen_surroundings surroundings; // what is mirrored besides the lights (beyond the paper)
     double light_rgb[3];             // average light colour, Y = 1: the specular layer is I_S times this
 } sheen_model;
@@ -39,6 +43,11 @@ void sheen_model_init(sheen_model *m);
 void sheen_model_release(sheen_model *m);
 // Makes room for n lights (node, radiance and lights' arrays). ENOMEM.
 sheen_status sheen_model_set_lights(sheen_model *m, size_t n, sheen_err *err);
+
+// Where the object stands under the lights when the session's camera, or another beside it, sees it at rt_cam_obj: where the
+// object turned, as the camera sees it turned under lights that stand still; else always the same. (To let the lights turn
+// with the object instead, draw with the model's own rt_world_obj.)
+void sheen_model_place(double rt_world_obj[6], const sheen_model *m, const double rt_cam_obj[6]);
 
 // Into a folder (an unfinished model/ that the caller renames to its place): model.json and texture.exr. s:
 // the session whose mesh was fitted; its digest goes into model.json. `extra` (may be NULL) adds members to

@@ -120,6 +120,8 @@ sheen_status sheen_model_get_numbers(sheen_model *m, const sheen_json *root, she
     if (!s)
         s = sheen_model_get_surroundings(m, root, err);
     if (!s)
+        s = sheen_model_get_irradiance(m, root, err);
+    if (!s)
         s = sheen_model_check(m, SHEEN_EFORMAT, err);
     return s;
 }

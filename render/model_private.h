@@ -21,6 +21,11 @@ sheen_status sheen_model_get_surroundings(sheen_model *m, const sheen_json *root
 sheen_status sheen_model_load_surroundings(sheen_model *m, const char *dir, const sheen_json *root,
                                            sheen_err *err);
 
+// The light on a texture that turned (model_irradiance.c), with the place of the camera.
+sheen_status sheen_model_check_irradiance(const sheen_irradiance *e, sheen_status code, sheen_err *err);
+void sheen_model_put_irradiance(sheen_json_writer *w, const sheen_model *m);
+sheen_status sheen_model_get_irradiance(sheen_model *m, const sheen_json *root, sheen_err *err);
+
 // Nodes of the geodesic hemisphere of a frequency.
 size_t sheen_model_hemisphere_size(int frequency);
 

@@ -8,9 +8,27 @@
 #include <math.h>
 
 #include "base/pose3.h"
+#include "render/gbuffer.h"
 
 // Terms below this light are not worth a shadow ray.
 static const float negligible_lin = 2e-4f;
+
+// The board's picture is in the board's frame, in which the object stands as it does in the first photograph.
+static void place_board(sheen_shading *s, const double rt_world_obj[6])
+{
+    double rt_obj_world[6], rt_board_world[6] = {0};
+    sheen_Rt Rt;
+    if (s->model->moving == SHEEN_MOVING_OBJECT) {
+        sheen_rt_invert(rt_obj_world, rt_world_obj);
+        sheen_rt_compose(rt_board_world, s->model->rt_world_obj, rt_obj_world);
+    }
+    sheen_Rt_from_rt(&Rt, rt_board_world);
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 3; k++)
+            s->R_board_world[i][k] = (float)Rt.R[i][k];
+        s->t_board_world[i] = (float)Rt.t[i];
+    }
+}
 
 void sheen_shading_init(sheen_shading *s, const sheen_model *model, const sheen_scene *scene,
                         const sheen_light_cells *cells, const double rt_world_obj[6])
@@ -25,6 +43,7 @@ void sheen_shading_init(sheen_shading *s, const sheen_model *model, const sheen_
         s->t_world_obj[i] = (float)Rt.t[i];
     }
     sheen_mesh_sphere(&model->mesh, centre, &radius_m);
+    place_board(s, rt_world_obj);
     s->offset_m = 2e-3f * radius_m;
 }
 
@@ -101,15 +120,58 @@ void sheen_shade_lights(float rgb[3], const sheen_shading *s, const float p_obj[
         rgb[c] = sum * k_s * (float)s->model->light_rgb[c];
 }
 
+void sheen_shade_irradiance(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3])
+{
+    const sheen_irradiance *e = &s->model->irradiance;
+    float n[3], l_obj[3];
+    rgb[0] = rgb[1] = rgb[2] = 1;
+    if (!e->present)
+        return;
+    to_world(n, s, n_obj);
+    sheen_irradiance_ambient(rgb, e, n);
+    for (int j = 0; j < e->n_lamps; j++) {
+        const sheen_lamp *lamp = &e->lamps[j];
+        const float cosine = sheen_dotf(n, lamp->l_world);
+        if (!(cosine > 0))
+            continue;
+        to_obj(l_obj, s, lamp->l_world);
+        if (cast(s, p_obj, n_obj, l_obj).triangle == SHEEN_NO_HIT)
+            for (int c = 0; c < 3; c++)
+                rgb[c] += cosine * (float)lamp->rgb[c];
+    }
+}
+
+// The object mirrored in itself, under its light.
+static void light_mirrored(float rgb[3], const sheen_shading *s, const sheen_hit *hit,
+                           const float from_obj[3])
+{
+    const double from[3] = {(double)from_obj[0], (double)from_obj[1], (double)from_obj[2]};
+    float p_obj[3], n_obj[3], v_obj[3], e[3];
+    if (!s->model->irradiance.present)
+        return;
+    sheen_hit_surface(&s->model->mesh, hit, from, p_obj, n_obj, v_obj);
+    sheen_shade_irradiance(e, s, p_obj, n_obj);
+    for (int c = 0; c < 3; c++)
+        rgb[c] *= e[c];
+}
+
+static void to_board(float out[3], const sheen_shading *s, const float x_world[3], const float t[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = sheen_dotf(s->R_board_world[i], x_world) + t[i];
+}
+
 void sheen_shade_split(float rgb[3], float above_world[3], const sheen_shading *s, const float p_obj[3],
                        const float n_obj[3], const float v_obj[3])
 {
-    float r_obj[3], r_world[3], p_world[3];
+    static const float zero[3] = {0, 0, 0};
+    float r_obj[3], r_world[3], p_world[3], p_board[3], r_board[3];
     rgb[0] = rgb[1] = rgb[2] = above_world[0] = above_world[1] = above_world[2] = 0;
     sheen_mirrorf(r_obj, n_obj, v_obj);
     const sheen_hit hit = cast(s, p_obj, n_obj, r_obj);
     if (hit.triangle != SHEEN_NO_HIT) {
         sheen_texture_sample(&s->model->texture, &hit, rgb);
+        light_mirrored(rgb, s, &hit, p_obj);
         return;
     }
     to_world(r_world, s, r_obj);
@@ -121,7 +183,13 @@ void sheen_shade_split(float rgb[3], float above_world[3], const sheen_shading *
     to_world(p_world, s, p_obj);
     for (int i = 0; i < 3; i++)
         p_world[i] += s->t_world_obj[i];
-    sheen_surroundings_radiance(rgb, &s->model->surroundings, p_world, r_world);
+    if (s->model->moving == SHEEN_MOVING_OBJECT) {
+        to_board(p_board, s, p_world, s->t_board_world);
+        to_board(r_board, s, r_world, zero);
+    }
+    const bool turned = s->model->moving == SHEEN_MOVING_OBJECT;
+    sheen_surroundings_radiance(rgb, &s->model->surroundings, turned ? p_board : p_world,
+                                turned ? r_board : r_world);
 }
 
 void sheen_shade_mirrored(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],

@@ -17,7 +17,8 @@ typedef struct sheen_shading {
     const sheen_scene *scene;       // of the model's mesh
     const sheen_light_cells *cells; // of the model's lights at its sigma
     float R_world_obj[3][3], t_world_obj[3];
-    float offset_m; // by which secondary rays start off the surface
+    float R_board_world[3][3], t_board_world[3]; // the board turns with an object that turns; else identity
+    float offset_m;                              // by which secondary rays start off the surface
 } sheen_shading;
 
 void sheen_shading_init(sheen_shading *s, const sheen_model *model, const sheen_scene *scene,
@@ -26,6 +27,8 @@ void sheen_shading_init(sheen_shading *s, const sheen_model *model, const sheen_
 // Specular light by eq. (7) (times k_S and the lights' colour), each light shadowed by the mesh where the model says so.
 void sheen_shade_lights(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
                         const float v_obj[3]);
+// E of irradiance.h at a point: what the texture there is multiplied by. 1 where the model has none.
+void sheen_shade_irradiance(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3]);
 // 1 where the mesh hides the light in direction l_world from the point. n_world: its normal.
 int sheen_shade_hidden(const sheen_shading *s, const float p_obj[3], const float n_world[3],
                        const float l_world[3]);

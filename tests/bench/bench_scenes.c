@@ -66,7 +66,8 @@ static void fit_scene(const exact_scene *s, const char *label, sheen_fit_method 
     exact_score score;
     const sheen_paper_options o = {0};
     // A method may correct poses: not in the scene itself
-    sheen_photos inputs = {s->inputs.cam, malloc(s->inputs.count * sizeof *inputs.photos), s->inputs.count};
+    sheen_photos inputs = s->inputs;
+    inputs.photos = malloc(s->inputs.count * sizeof *inputs.photos);
     assert_non_null(inputs.photos);
     memcpy(inputs.photos, s->inputs.photos, inputs.count * sizeof *inputs.photos);
     const double start_s = cpu_s();
