@@ -249,3 +249,20 @@ void sheen_raster_grey(uint8_t *out, const sheen_raster *r, sheen_transfer trans
         out[i] = coded[(int)(fminf(fmaxf(light, 0), 1) * (float)N_STEPS + 0.5f)];
     }
 }
+
+sheen_status sheen_image_from_grey(sheen_image *out, const sheen_raster *r, sheen_transfer transfer,
+                                   sheen_err *err)
+{
+    const size_t n = (size_t)r->width_px * (size_t)r->height_px;
+    uint8_t *grey = malloc(n ? n : 1);
+    *out = (sheen_image){0};
+    const sheen_status s = grey ? sheen_image_init(out, r->width_px, r->height_px, 1, err)
+                                : sheen_fail_memory(err, (double)n, "a picture");
+    if (!s) {
+        sheen_raster_grey(grey, r, transfer);
+        for (size_t i = 0; i < n; i++)
+            out->data[i] = (float)grey[i] / 255;
+    }
+    free(grey);
+    return s;
+}

@@ -71,6 +71,9 @@ sheen_status sheen_image_from_raster(sheen_image *out, const sheen_raster *r, sh
 // input is sRGB-coded after scaling its 99.5th percentile to white where it is darker).
 // out holds width_px * height_px bytes.
 void sheen_raster_grey(uint8_t *out, const sheen_raster *r, sheen_transfer transfer);
+// The same as an image of one channel, 0..1: brightness in equal steps for the eye.
+sheen_status sheen_image_from_grey(sheen_image *out, const sheen_raster *r, sheen_transfer transfer,
+                                   sheen_err *err);
 
 // Y of linear RGB by Rec. 709, the Y of the paper's YCrCb.
 static inline float sheen_luminance(const float rgb[3])

@@ -197,9 +197,21 @@ typedef struct sheen_frame_pose {
     char reason[160];
 } sheen_frame_pose;
 
+// Where one of several boards is, in the frame of the first.
+typedef struct sheen_board_place {
+    char name[32];
+    bool found;             // false: nothing ties it to the first; `reason` says so
+    double rt_ref_board[6]; // from this board's frame to the first one's
+    double covariance[36];  // of it; zero for the first
+    int n_frames, n_moved;  // frames in which it counts, and in which it stands elsewhere
+    char reason[160];       // what is to be said of it
+} sheen_board_place;
+
 typedef struct sheen_poses {
     sheen_frame_pose *poses;
     size_t n_poses;
+    sheen_board_place *boards; // of a set; none for a single board
+    size_t n_boards;
     bool imported; // given by the person rather than measured from boards
 } sheen_poses;
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/board.h"
 #include "base/json_write.h"
 #include "base/session_private.h"
 
@@ -73,6 +74,48 @@ static sheen_status parse_list(sheen_poses *out, const sheen_json *list, sheen_e
     return SHEEN_OK;
 }
 
+static sheen_status parse_board(sheen_board_place *b, const sheen_json *v, sheen_err *err)
+{
+    const char *name;
+    sheen_status s = sheen_json_string(v, "name", &name, err);
+    if (!s)
+        s = sheen_json_bool(v, "found", &b->found, err);
+    if (!s && b->found)
+        s = sheen_json_numbers(v, "rt_ref_board", b->rt_ref_board, 6, err);
+    if (!s && b->found)
+        s = sheen_json_numbers(v, "covariance", b->covariance, 36, err);
+    if (!s)
+        s = sheen_json_int(v, "n_frames", 0, 1000000, &b->n_frames, err);
+    if (!s)
+        s = sheen_json_int(v, "n_moved", 0, 1000000, &b->n_moved, err);
+    if (!s)
+        snprintf(b->name, sizeof b->name, "%.*s", (int)sizeof b->name - 1, name);
+    snprintf(b->reason, sizeof b->reason, "%s", sheen_json_value_string(sheen_json_get(v, "reason"), ""));
+    return s;
+}
+
+static sheen_status parse_boards(sheen_poses *out, const sheen_json *root, sheen_err *err)
+{
+    const sheen_json *list;
+    sheen_status s = SHEEN_OK;
+    if (!sheen_json_get(root, "boards"))
+        return SHEEN_OK;
+    s = sheen_json_array(root, "boards", &list, err);
+    if (s)
+        return s;
+    const size_t n = sheen_json_count(list);
+    if (n > SHEEN_BOARD_SET_MAX)
+        return sheen_fail(err, SHEEN_EFORMAT, "%zu boards are more than the %d that are read", n,
+                          (int)SHEEN_BOARD_SET_MAX);
+    out->boards = calloc(n + 1, sizeof *out->boards);
+    if (!out->boards)
+        return sheen_fail_memory(err, (double)n * sizeof *out->boards, "boards");
+    out->n_boards = n;
+    for (size_t i = 0; i < n && !s; i++)
+        s = parse_board(&out->boards[i], sheen_json_at(list, i), err);
+    return s;
+}
+
 sheen_status sheen_poses_parse(sheen_poses *out, const void *data, size_t size_bytes, sheen_err *err)
 {
     *out = (sheen_poses){0};
@@ -87,6 +130,8 @@ sheen_status sheen_poses_parse(sheen_poses *out, const void *data, size_t size_b
         s = sheen_json_array(root, "frames", &list, err);
     if (!s)
         s = parse_list(out, list, err);
+    if (!s)
+        s = parse_boards(out, root, err);
     sheen_json_free(&root);
     if (s)
         sheen_poses_release(out);
@@ -131,6 +176,27 @@ static void write_pose(sheen_json_writer *w, const sheen_frame_pose *p, bool imp
     sheen_json_close(w);
 }
 
+static void write_boards(sheen_json_writer *w, const sheen_poses *p)
+{
+    sheen_json_open(w, "boards", '[');
+    for (size_t i = 0; i < p->n_boards; i++) {
+        const sheen_board_place *b = &p->boards[i];
+        sheen_json_open(w, NULL, '{');
+        sheen_json_put_string(w, "name", b->name);
+        sheen_json_put_bool(w, "found", b->found);
+        if (b->found) {
+            sheen_json_put_numbers(w, "rt_ref_board", b->rt_ref_board, 6);
+            sheen_json_put_numbers(w, "covariance", b->covariance, 36);
+        }
+        sheen_json_put_int(w, "n_frames", b->n_frames);
+        sheen_json_put_int(w, "n_moved", b->n_moved);
+        if (b->reason[0])
+            sheen_json_put_string(w, "reason", b->reason);
+        sheen_json_close(w);
+    }
+    sheen_json_close(w);
+}
+
 sheen_status sheen_poses_save(const sheen_poses *p, const sheen_session *s, sheen_err *err)
 {
     char path[SHEEN_PATH_MAX];
@@ -147,6 +213,8 @@ sheen_status sheen_poses_save(const sheen_poses *p, const sheen_session *s, shee
         sheen_json_writer_release(&w);
         return st;
     }
+    if (p->n_boards)
+        write_boards(&w, p);
     sheen_json_open(&w, "frames", '[');
     for (size_t i = 0; i < p->n_poses; i++)
         write_pose(&w, &p->poses[i], p->imported);
@@ -160,8 +228,10 @@ void sheen_poses_release(sheen_poses *p)
     if (!p)
         return;
     free(p->poses);
+    free(p->boards);
     p->poses = NULL;
-    p->n_poses = 0;
+    p->boards = NULL;
+    p->n_poses = p->n_boards = 0;
 }
 
 // The list need not be sorted: whoever makes one may keep the order of the frames.

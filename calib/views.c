@@ -38,13 +38,13 @@ static sheen_status read_path(const reader *self, size_t i, sheen_raster *out, s
 
 typedef struct batch {
     const reader *reader;
-    const sheen_board *board;
+    const sheen_board_set *boards;
     size_t first;
-    sheen_board_view *views; // of all frames
+    sheen_board_view *views; // of all frames and boards
     sheen_err *errs;         // of this batch
 } batch;
 
-static sheen_status observe(sheen_board_view *view, const reader *r, size_t i, const sheen_board *board,
+static sheen_status observe(sheen_board_view *views, const reader *r, size_t i, const sheen_board_set *boards,
                             sheen_err *err)
 {
     sheen_tag_detector *detector = NULL;
@@ -61,10 +61,10 @@ static sheen_status observe(sheen_board_view *view, const reader *r, size_t i, c
         goto done;
     }
     sheen_raster_grey(grey, &raster, transfer);
-    s = sheen_tag_detector_new(&detector, board->family, err);
+    s = sheen_tag_detector_new(&detector, boards->boards[0].family, err);
     if (s)
         goto done;
-    s = sheen_board_observe(view, detector, grey, raster.width_px, raster.height_px, board, err);
+    s = sheen_boards_observe(views, detector, grey, raster.width_px, raster.height_px, boards, err);
 
 done:
     sheen_tag_detector_free(&detector);
@@ -77,18 +77,19 @@ static void observe_some(void *self, size_t begin, size_t end)
 {
     const batch *b = self;
     for (size_t i = begin; i < end; i++)
-        b->errs[i].code = observe(&b->views[b->first + i], b->reader, b->first + i, b->board, &b->errs[i]);
+        b->errs[i].code = observe(&b->views[(b->first + i) * b->boards->n_boards], b->reader, b->first + i,
+                                  b->boards, &b->errs[i]);
 }
 
-static sheen_status observe_all(sheen_views *out, const reader *r, size_t n, const sheen_board *board,
+static sheen_status observe_all(sheen_views *out, const reader *r, size_t n, const sheen_board_set *boards,
                                 int n_threads, const sheen_progress *progress, sheen_err *err)
 {
     *out = (sheen_views){0};
     const size_t per_batch = FRAMES_PER_THREAD * (size_t)(n_threads > 0 ? n_threads : sheen_cpu_count());
     sheen_status s = SHEEN_OK;
     sheen_err *errs = calloc(per_batch, sizeof *errs);
-    out->views = calloc(n ? n : 1, sizeof *out->views);
-    out->n_views = n;
+    out->views = calloc(n ? n * boards->n_boards : 1, sizeof *out->views);
+    out->n_views = n * boards->n_boards;
     if (!errs || !out->views) {
         free(errs);
         sheen_views_release(out);
@@ -99,7 +100,7 @@ static sheen_status observe_all(sheen_views *out, const reader *r, size_t n, con
         s = sheen_progress_step(progress, "board", (int)first, (int)n, err);
         if (s)
             break;
-        batch b = {.reader = r, .board = board, .first = first, .views = out->views, .errs = errs};
+        batch b = {.reader = r, .boards = boards, .first = first, .views = out->views, .errs = errs};
         sheen_parallel_for(count, 1, n_threads, observe_some, &b);
         for (size_t i = 0; i < count && !s; i++)
             if (errs[i].code)
@@ -121,19 +122,29 @@ void sheen_views_release(sheen_views *views)
     *views = (sheen_views){0};
 }
 
+sheen_status sheen_set_views_of_session(sheen_views *out, const sheen_session *s,
+                                        const sheen_frame_info *const *frames, size_t n_frames,
+                                        const sheen_board_set *boards, int n_threads,
+                                        const sheen_progress *progress, sheen_err *err)
+{
+    const reader r = {.read = read_session, .session = s, .frames = frames};
+    const sheen_status status = observe_all(out, &r, n_frames, boards, n_threads, progress, err);
+    for (size_t i = 0; !status && i < out->n_views; i++) {
+        const sheen_frame_info *f = frames[i / boards->n_boards];
+        snprintf(out->views[i].name, sizeof out->views[i].name, "%s", f->name);
+        snprintf(out->views[i].file, sizeof out->views[i].file, "../" SHEEN_SESSION_FRAMES "/%s", f->file);
+    }
+    return status;
+}
+
 sheen_status sheen_views_of_session(sheen_views *out, const sheen_session *s,
                                     const sheen_frame_info *const *frames, size_t n_frames,
                                     const sheen_board *board, int n_threads, const sheen_progress *progress,
                                     sheen_err *err)
 {
-    const reader r = {.read = read_session, .session = s, .frames = frames};
-    const sheen_status status = observe_all(out, &r, n_frames, board, n_threads, progress, err);
-    for (size_t i = 0; i < n_frames && !status; i++) {
-        snprintf(out->views[i].name, sizeof out->views[i].name, "%s", frames[i]->name);
-        snprintf(out->views[i].file, sizeof out->views[i].file, "../" SHEEN_SESSION_FRAMES "/%s",
-                 frames[i]->file);
-    }
-    return status;
+    sheen_board alone = *board; // a set of one, which is only read
+    const sheen_board_set one = {.boards = &alone, .n_boards = 1};
+    return sheen_set_views_of_session(out, s, frames, n_frames, &one, n_threads, progress, err);
 }
 
 // White space and '#' would end a name in a .vnl table.
@@ -149,7 +160,9 @@ sheen_status sheen_views_of_files(sheen_views *out, const char *const *paths, si
                                   sheen_err *err)
 {
     const reader r = {.read = read_path, .paths = paths};
-    const sheen_status status = observe_all(out, &r, n_paths, board, n_threads, progress, err);
+    sheen_board alone = *board;
+    const sheen_board_set one = {.boards = &alone, .n_boards = 1};
+    const sheen_status status = observe_all(out, &r, n_paths, &one, n_threads, progress, err);
     for (size_t i = 0; i < n_paths && !status; i++) {
         sheen_board_view *view = &out->views[i];
         const char *base = sheen_path_base(paths[i]);

@@ -28,6 +28,11 @@ sheen_status sheen_views_of_session(sheen_views *out, const sheen_session *s,
                                     const sheen_frame_info *const *frames, size_t n_frames,
                                     const sheen_board *board, int n_threads, const sheen_progress *progress,
                                     sheen_err *err);
+// The same for a set of boards: out->views[n_frames * boards->n_boards], all boards of a frame side by side.
+sheen_status sheen_set_views_of_session(sheen_views *out, const sheen_session *s,
+                                        const sheen_frame_info *const *frames, size_t n_frames,
+                                        const sheen_board_set *boards, int n_threads,
+                                        const sheen_progress *progress, sheen_err *err);
 // The same of image files (sRGB); names are the files' names without folder and extension.
 sheen_status sheen_views_of_files(sheen_views *out, const char *const *paths, size_t n_paths,
                                   const sheen_board *board, int n_threads, const sheen_progress *progress,

@@ -5,6 +5,8 @@
 #include "cli/cli.h"
 #include "cli/commands.h"
 #include "cli/stages.h"
+#include "pose/moved.h"
+#include "pose/pose_report.h"
 #include "pose/pose_session.h"
 #include "pose/turntable_session.h"
 
@@ -30,6 +32,39 @@ void sheen_cli_say_poses(sheen_cli *cli, const sheen_pose_summary *p, const shee
     sheen_json_put_number(&cli->out, "rms_median_px", p->rms_median_px);
     sheen_json_put_number(&cli->out, "sigma_median_m", p->sigma_median_m);
     sheen_json_put_number(&cli->out, "sigma_worst_m", p->sigma_worst_m);
+}
+
+// The boards of a set, and where they are to each other.
+static void say_boards(sheen_cli *cli, const sheen_poses *poses)
+{
+    if (!poses->n_boards)
+        return;
+    sheen_json_open(&cli->out, "boards", '[');
+    for (size_t i = 0; i < poses->n_boards; i++) {
+        const sheen_board_place *b = &poses->boards[i];
+        double var_r = 0, var_t = 0;
+        for (size_t k = 0; k < 3; k++) {
+            var_r = fmax(var_r, b->covariance[7 * k]);
+            var_t = fmax(var_t, b->covariance[7 * (3 + k)]);
+        }
+        if (!b->found)
+            sheen_cli_say(cli, "board '%s': %s", b->name, b->reason);
+        else
+            sheen_cli_say(cli, "board '%s': in %d frames; its place is %s%.3f mm and %.4f degrees%s%s",
+                          b->name, b->n_frames, i ? "known to " : "the reference, ", 1e3 * sqrt(var_t),
+                          57.29577951308232 * sqrt(var_r), b->reason[0] ? "; it " : "", b->reason);
+        cli->limit_missed = cli->limit_missed || b->n_moved;
+        sheen_json_open(&cli->out, NULL, '{');
+        sheen_json_put_string(&cli->out, "name", b->name);
+        sheen_json_put_bool(&cli->out, "found", b->found);
+        sheen_json_put_numbers(&cli->out, "rt_ref_board", b->rt_ref_board, 6);
+        sheen_json_put_number(&cli->out, "sigma_m", sqrt(var_t));
+        sheen_json_put_number(&cli->out, "sigma_rad", sqrt(var_r));
+        sheen_json_put_int(&cli->out, "frames", b->n_frames);
+        sheen_json_put_int(&cli->out, "moved_frames", b->n_moved);
+        sheen_json_close(&cli->out);
+    }
+    sheen_json_close(&cli->out);
 }
 
 static void check_limit(sheen_cli *cli, const sheen_poses *poses, double max_rms_px)
@@ -101,13 +136,54 @@ static void say_turntable(sheen_cli *cli, const sheen_session *s, const sheen_po
     sheen_session_turntable_release(&t);
 }
 
+// Holds what the session says of what moved against what poses and background say.
+static sheen_status check_moved(sheen_cli *cli, const sheen_session *s, const sheen_poses *poses,
+                                sheen_err *err)
+{
+    enum { MOST_FRAMES = 12 };
+    static const char *const names[] = {"unknown", "camera", "object", "both"};
+    char path[SHEEN_PATH_MAX];
+    sheen_camera camera;
+    sheen_board board;
+    sheen_moved_verdict v;
+    sheen_status st = sheen_session_path(path, s, SHEEN_SESSION_CAMERA, err);
+    if (!st)
+        st = sheen_camera_load(&camera, path, err);
+    if (!st)
+        st = sheen_session_path(path, s, SHEEN_SESSION_BOARD, err);
+    if (!st)
+        st = sheen_board_load(&board, path, err);
+    if (st)
+        return st;
+    st = sheen_moved_in_session(&v, s, &camera, &board, poses, MOST_FRAMES, err);
+    sheen_board_release(&board);
+    if (st)
+        return st;
+    sheen_json_put_string(&cli->out, "moved", names[v.moved]);
+    if (v.moved == SHEEN_MOVED_BOTH) {
+        sheen_cli_warn(cli, "camera and object both moved: %s; lights stand still in neither, take it again",
+                       v.reason);
+        cli->limit_missed = true;
+    } else if (v.moved != SHEEN_MOVED_UNKNOWN &&
+               (v.moved == SHEEN_MOVED_OBJECT) != (s->moving == SHEEN_MOVING_OBJECT)) {
+        sheen_cli_warn(
+            cli,
+            "the session says that the %s moved, but it was the %s: %s (sheen import SESSION --moving %s)",
+            sheen_moving_name(s->moving), names[v.moved], v.reason, names[v.moved]);
+        cli->limit_missed = true;
+    }
+    return SHEEN_OK;
+}
+
 static sheen_status run(sheen_cli *cli, sheen_err *err)
 {
     double max_rms_px = (double)INFINITY;
+    const char *report = NULL;
     sheen_pose_options o = {0};
     const sheen_option options[] = {
         {"max-rms-px", 0, SHEEN_OPTION_NUMBER, &max_rms_px, "X",
          "exit with 3 where a frame's reprojection error is\nlarger", 0, 1e6},
+        {"report", 0, SHEEN_OPTION_TEXT, &report, "FILE", "one HTML page with plots", 0, 0},
         {"force", 0, SHEEN_OPTION_FLAG, &o.force, NULL, "measure anew where poses were imported", 0, 0},
         {"threads", 0, SHEEN_OPTION_INT, &o.n_threads, "N", "default: one a processor", 1, 1024},
         {0},
@@ -126,9 +202,18 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
     sheen_cli_clear_bar(cli);
     if (!st) {
         sheen_cli_say_poses(cli, &summary, &poses);
+        if (summary.alike) {
+            sheen_cli_warn(cli, "all frames are from the same place: take them from several sides");
+            cli->limit_missed = true;
+        }
+        say_boards(cli, &poses);
         if (s.moving == SHEEN_MOVING_OBJECT)
             say_turntable(cli, &s, &poses);
         check_limit(cli, &poses, max_rms_px);
+        if (!summary.left_alone)
+            st = check_moved(cli, &s, &poses, err);
+        if (!st && report)
+            st = sheen_pose_report(report, &s, &poses, err);
     }
     sheen_poses_release(&poses);
     sheen_session_release(&s);
@@ -141,7 +226,9 @@ const sheen_command sheen_cmd_pose = {
     .summary = "where the camera was, frame by frame, from the board",
     .about = "Wants a camera and board.json in the session. Writes poses.json, with what each pose is worth, "
              "and for\n"
-             "frames without one the reason.\n",
-    .example = "  sheen pose penguin.session --max-rms-px 0.3\n",
+             "frames without one the reason. Several boards are surveyed together. Exit code 3: all frames "
+             "are from one\n"
+             "place, a board was moved, not that moved what the session says, or --max-rms-px is exceeded.\n",
+    .example = "  sheen pose penguin.session --max-rms-px 0.3 --report poses.html\n",
     .run = run,
 };

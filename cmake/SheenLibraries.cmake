@@ -14,6 +14,7 @@ function(sheen_library target)
   endforeach()
 endfunction()
 
+sheen_library(assimp HEADER assimp/cimport.h LIBRARIES assimp)
 sheen_library(jansson HEADER jansson.h LIBRARIES jansson)
 sheen_library(xxhash HEADER xxhash.h LIBRARIES xxhash)
 sheen_library(yaml HEADER yaml.h LIBRARIES yaml)

@@ -239,10 +239,11 @@ static sheen_status find_from(sheen_board_pose *out, const sheen_camera *camera,
                                   err);
     if (s)
         return s;
-    // sigma from the residuals, 2 n of them less 6 for the pose
-    const double n = 2.0 * out->n_points;
+    // sigma from the residuals, 2 n of them less 6 for the pose. As sigma itself is estimated, errors follow
+    // Student's t with nu = 2 n - 6 degrees of freedom, whose covariance is nu / (nu - 2) times larger
+    const double n = 2.0 * out->n_points, nu = fmax(3, n - 6);
     const double least_px = out->from_tags ? TAG_MIN_SIGMA_PX : MIN_SIGMA_PX;
-    const double sigma_px = fmax(least_px, out->rms_px * sqrt(n / fmax(1, n - 6)));
+    const double sigma_px = fmax(least_px, out->rms_px * sqrt(n / nu * nu / (nu - 2)));
     s = sheen_pose_covariance(out->covariance, out->rt_cam_board, sigma_px, camera, points, err);
     if (!s)
         s = tag_agreement(&out->tag_error_px, &side_px, out->rt_cam_board, camera, view, err);

@@ -296,7 +296,7 @@ static void poses_come_back(void **state)
     for (int i = 0; i < 36; i++)
         list[0].covariance[i] = 1e-9 * i / 7;
     for (int imported = 0; imported < 2; imported++) {
-        sheen_poses p = {list, 2, imported}, q;
+        sheen_poses p = {.poses = list, .n_poses = 2, .imported = imported}, q;
         assert_ok(sheen_poses_save(&p, &s, &err), err);
         assert_ok(sheen_poses_load(&q, &s, &err), err);
         assert_int_equal(q.n_poses, 2);

@@ -131,6 +131,108 @@ static void every_frame_gets_a_pose_or_a_reason(void **state)
     sheen_session_release(&s);
 }
 
+// Two boards side by side in every picture; in the last frame the second one was moved.
+static void boards_are_surveyed_together(void **state)
+{
+    const test_scratch *scratch = *state;
+    char folder[TEST_PATH_MAX], path[SHEEN_PATH_MAX];
+    sheen_err err;
+    sheen_session s;
+    sheen_board boards[2];
+    sheen_camera camera;
+    sheen_pose_summary summary;
+    sheen_poses poses;
+    double rt_ref_other[6] = {0, 0.25, 0.1, 0.2, 0, 0.02}, rt[N_FRAMES][6];
+    assert_ok(
+        sheen_camera_opencv(&camera, WIDTH, HEIGHT, (const double[4]){470, 473, 243, 176}, NULL, 0, &err),
+        err);
+    for (int b = 0; b < 2; b++)
+        test_board_make(&boards[b], 6, 6, 0.028, 0.7, 20 * b, 0);
+    snprintf(boards[0].name, sizeof boards[0].name, "front");
+    snprintf(boards[1].name, sizeof boards[1].name, "side");
+    test_scratch_file(folder, scratch, "set");
+    assert_ok(sheen_session_create(&s, folder, SHEEN_MOVING_CAMERA, &err), err);
+    for (int i = 0; i < N_FRAMES; i++) {
+        uint8_t *grey[2];
+        char frame[16];
+        test_board_look(rt[i], (const double[2]){0.1, 0}, 0.42, 12 + 6 * i, 80 * i, 5 * i);
+        for (int b = 0; b < 2; b++) {
+            test_photo photo = {
+                .board = &boards[b], .camera = &camera, .blur_px = 0.6, .noise_dn = 1, .gamma = 2.2};
+            double rt_ref_board[6] = {0};
+            if (b)
+                memcpy(rt_ref_board, rt_ref_other, sizeof rt_ref_board);
+            rt_ref_board[4] += b && i == N_FRAMES - 1 ? 0.01 : 0;
+            sheen_rt_compose(photo.rt_cam_board, rt[i], rt_ref_board);
+            grey[b] = test_photo_render(&photo);
+        }
+        const int ground = grey[0][0];
+        for (int k = 0; k < WIDTH * HEIGHT; k++)
+            if (abs(grey[1][k] - ground) > abs(grey[0][k] - ground))
+                grey[0][k] = grey[1][k];
+        snprintf(frame, sizeof frame, "f%d", i);
+        add_frame(&s, frame, SHEEN_ROLE_INPUT, grey[0], scratch);
+        free(grey[0]);
+        free(grey[1]);
+    }
+    assert_ok(sheen_session_path(path, &s, SHEEN_SESSION_BOARD, &err), err);
+    assert_ok(sheen_boards_save(boards, 2, path, &err), err);
+    assert_ok(sheen_session_path(path, &s, SHEEN_SESSION_CAMERA, &err), err);
+    assert_ok(sheen_camera_save(&camera, path, &err), err);
+    assert_ok(sheen_pose_session(&summary, NULL, &s, &(sheen_pose_options){0}, &err), err);
+    assert_ok(sheen_poses_load(&poses, &s, &err), err);
+    assert_int_equal(summary.n_found, N_FRAMES);
+    assert_int_equal((int)poses.n_boards, 2);
+    assert_string_equal(poses.boards[1].name, "side");
+    assert_true(poses.boards[1].found);
+    assert_int_equal(poses.boards[1].n_moved, 1);
+    assert_int_equal(poses.boards[1].n_frames, N_FRAMES - 1);
+    for (int k = 0; k < 6; k++)
+        assert_close(poses.boards[1].rt_ref_board[k], rt_ref_other[k], k < 3 ? 2e-3 : 3e-4);
+    for (int i = 0; i < N_FRAMES; i++)
+        assert_close(sheen_rt_angle_rad(poses.poses[i].rt_cam_board, rt[i]), 0, 2e-3);
+    assert_true(sheen_session_has(&s, "detections/board-side.vnl"));
+    sheen_poses_release(&poses);
+    for (int b = 0; b < 2; b++)
+        sheen_board_release(&boards[b]);
+    sheen_session_release(&s);
+}
+
+// One frame in which the board turned while the shutter ran: its rows are from different moments.
+static void a_rolling_frame_is_left_out(void **state)
+{
+    const test_scratch *scratch = *state;
+    sheen_err err;
+    sheen_session s;
+    fixture f;
+    sheen_pose_summary summary;
+    sheen_poses poses;
+    session_make(&s, &f, scratch, "rolling");
+    test_photo photo = {
+        .board = &f.board, .camera = &f.camera, .blur_px = 0.6, .noise_dn = 1.5, .gamma = 2.2};
+    memcpy(photo.rt_cam_board, f.rt[0], sizeof photo.rt_cam_board);
+    uint8_t *early = test_photo_render(&photo);
+    uint8_t *rolled = malloc((size_t)WIDTH * HEIGHT);
+    assert_non_null(rolled);
+    for (int y = 0; y < HEIGHT; y++)
+        for (int x = 0; x < WIDTH; x++) { // swings to and fro by three pixels
+            const int from = x + (int)lrint(3 * sin(0.06 * y));
+            rolled[y * WIDTH + x] = early[y * WIDTH + (from < 0 ? 0 : from >= WIDTH ? WIDTH - 1 : from)];
+        }
+    add_frame(&s, "rolled", SHEEN_ROLE_INPUT, rolled, scratch);
+    free(rolled);
+    free(early);
+    assert_ok(sheen_pose_session(&summary, &poses, &s, &(sheen_pose_options){0}, &err), err);
+    assert_int_equal(summary.n_found, N_FRAMES);
+    assert_false(summary.alike);
+    assert_false(poses.poses[N_FRAMES].found);
+    print_message("%s\n", poses.poses[N_FRAMES].reason);
+    assert_true(poses.poses[N_FRAMES].reason[0]);
+    sheen_poses_release(&poses);
+    sheen_board_release(&f.board);
+    sheen_session_release(&s);
+}
+
 static void imported_poses_are_left_alone(void **state)
 {
     const test_scratch *scratch = *state;
@@ -299,6 +401,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(every_frame_gets_a_pose_or_a_reason, test_scratch_setup,
+                                        test_scratch_teardown),
+        cmocka_unit_test_setup_teardown(boards_are_surveyed_together, test_scratch_setup,
+                                        test_scratch_teardown),
+        cmocka_unit_test_setup_teardown(a_rolling_frame_is_left_out, test_scratch_setup,
                                         test_scratch_teardown),
         cmocka_unit_test_setup_teardown(imported_poses_are_left_alone, test_scratch_setup,
                                         test_scratch_teardown),

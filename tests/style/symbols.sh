@@ -22,6 +22,7 @@ for archive in "$@"; do
     fi
     [ "$name" != libsheen_cli.a ] || continue
     if nm -A -u "$archive" | grep -vE "$quiet: .* (stderr|stdout)\$|$starts_ffmpeg: .* environ\$" |
+        grep -v 'mesh_foreign_assimp.c.o: *U _exit' | # ends the reader's own process, which it started
         grep -E ' (_?exit|_Exit|quick_exit|abort|(__)?v?printf(_chk)?|puts|putchar|perror|psignal|stdout|stderr|(secure_)?getenv|setenv|putenv|environ|_ZSt4c(out|err|log))(@.*)?$'; then
         echo "^ $name: a library prints, exits or reads the environment"
         bad=1

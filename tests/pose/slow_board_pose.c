@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// Poses of a half-covered board: slow_board_pose [POSES]. Photographs at 0.5 m (+- 15 %), tilted up to 65 degrees, of
+// the usual board (12 x 9 squares of 25 mm), blurred, coded by gamma 2.2, noisy, half of the board under a disc. No
+// accepted pose may be grossly wrong; errors are held against the covariances.
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "base/parallel.h"
+#include "calib/cholesky.h"
+#include "calib/saddles.h"
+#include "pose/board_pose.h"
+#include "pose/pose_tangent.h"
+#include "support.h"
+#include "support_board.h"
+
+static const double DEG = 3.14159265358979323846 / 180;
+
+typedef struct outcome {
+    bool found;
+    double mm, deg, chi2;
+    int n_points;
+} outcome;
+
+typedef struct trials {
+    sheen_board board;
+    sheen_camera camera;
+    outcome *outcomes;
+} trials;
+
+static void one(outcome *o, const trials *t, uint64_t seed)
+{
+    sheen_err err;
+    sheen_tag_detector *detector;
+    sheen_board_view view;
+    sheen_board_pose pose;
+    test_photo photo = {
+        .board = &t->board, .camera = &t->camera, .blur_px = 0.8, .noise_dn = 3, .gamma = 2.2};
+    for (int i = 0; i < 20; i++) // neighbouring seeds start alike
+        test_random(&seed);
+    const double target[2] = {0.05 * (test_random(&seed) - 0.5), 0.04 * (test_random(&seed) - 0.5)};
+    const double distance_m = 0.5 * (0.85 + 0.3 * test_random(&seed)), tilt_deg = 65 * test_random(&seed);
+    const double azimuth_deg = 360 * test_random(&seed), roll_deg = 360 * test_random(&seed);
+    test_board_look(photo.rt_cam_board, target, distance_m, tilt_deg, azimuth_deg, roll_deg);
+    photo.cover_radius_m = 0.104; // half of 0.3 x 0.225 m
+    photo.cover_board[0] = 0.06 * (test_random(&seed) - 0.5);
+    photo.cover_board[1] = 0.03 * (test_random(&seed) - 0.5);
+    photo.seed = seed;
+    uint8_t *grey = test_photo_render(&photo);
+    assert_ok(sheen_tag_detector_new(&detector, "tag36h11", &err), err);
+    assert_ok(
+        sheen_board_observe(&view, detector, grey, t->camera.width_px, t->camera.height_px, &t->board, &err),
+        err);
+    o->found = !sheen_board_pose_find(&pose, NULL, &t->camera, &t->board, &view, &err);
+    if (o->found) {
+        sheen_Rt got, want;
+        double wd[6], P[36];
+        sheen_Rt_from_rt(&got, pose.rt_cam_board);
+        sheen_Rt_from_rt(&want, photo.rt_cam_board);
+        sheen_pose_difference(wd, &got, &want);
+        o->deg = sqrt(wd[0] * wd[0] + wd[1] * wd[1] + wd[2] * wd[2]) / DEG;
+        o->mm = 1e3 * sqrt(wd[3] * wd[3] + wd[4] * wd[4] + wd[5] * wd[5]);
+        o->n_points = pose.n_points;
+        if (sheen_pose_information(P, pose.rt_cam_board, pose.covariance))
+            o->chi2 = sheen_pose_product(wd, P, wd) / 6;
+    }
+    sheen_board_view_release(&view);
+    sheen_tag_detector_free(&detector);
+    free(grey);
+}
+
+static void some(void *self, size_t begin, size_t end)
+{
+    const trials *t = self;
+    for (size_t i = begin; i < end; i++)
+        one(&t->outcomes[i], t, 1000 + i);
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+int main(int argc, char **argv)
+{
+    const size_t n = argc > 1 ? (size_t)atoi(argv[1]) : 60;
+    sheen_err err;
+    trials t;
+    const double k[8] = {-0.30, 0.10, 0.0008, -0.0006, 0.01, 0.01, 0.02, 0.005};
+    assert_ok(sheen_camera_opencv(&t.camera, 1280, 960, (const double[4]){1100, 1102, 645, 474}, k, 8, &err),
+              err);
+    test_board_make(&t.board, 12, 9, 0.025, 0.72, 0, 0);
+    t.outcomes = calloc(n, sizeof *t.outcomes);
+    double *mm = calloc(4 * n, sizeof *mm), *deg = mm + n, *chi2 = mm + 2 * n, chi2_sum = 0;
+    assert_true(t.outcomes && mm);
+    sheen_parallel_for(n, 1, 0, some, &t);
+    size_t found = 0, gross = 0;
+    for (size_t i = 0; i < n; i++) {
+        const outcome *o = &t.outcomes[i];
+        if (!o->found)
+            continue;
+        if (getenv("SHEEN_TEST_VERBOSE"))
+            printf("  %zu: %.4f mm %.4f deg chi2 %.2f from %d\n", i, o->mm, o->deg, o->chi2, o->n_points);
+        mm[found] = o->mm;
+        deg[found] = o->deg;
+        chi2[found++] = o->chi2;
+        chi2_sum += o->chi2;
+        gross += o->mm > 5 || o->deg > 1;
+    }
+    qsort(mm, found, sizeof *mm, ascending);
+    qsort(deg, found, sizeof *deg, ascending);
+    qsort(chi2, found, sizeof *chi2, ascending);
+    assert_true(found > 0);
+    printf("%zu of %zu accepted, %zu gross; median %.4f mm %.4f deg, 99 %% %.4f mm %.4f deg, worst %.4f mm "
+           "%.4f deg; "
+           "squared error over variance: mean %.3f, median %.3f (ideal: 1, 0.89)\n",
+           found, n, gross, mm[found / 2], deg[found / 2], mm[found * 99 / 100], deg[found * 99 / 100],
+           mm[found - 1], deg[found - 1], chi2_sum / (double)found, chi2[found / 2]);
+    const bool good = !gross && 10 * found > 9 * n && mm[found / 2] <= 0.03 && deg[found / 2] <= 0.015;
+    free(mm);
+    free(t.outcomes);
+    sheen_board_release(&t.board);
+    return !good;
+}
