@@ -10,6 +10,7 @@
 
 #include "base/file.h"
 #include "base/mesh_build.h"
+#include "base/mesh_repair.h"
 #include "base/vec.h"
 
 enum { MAX_FILE_BYTES = 1 << 30 };
@@ -51,6 +52,9 @@ sheen_status sheen_mesh_load(sheen_mesh *mesh, const char *path, sheen_err *err)
         return s;
     s = sheen_mesh_parse(mesh, data, size_bytes, path, err);
     free(data);
+    sheen_mesh_repairs repairs;
+    if (!s && (s = sheen_mesh_repair(&repairs, mesh, err)))
+        sheen_mesh_release(mesh);
     return s ? sheen_wrap(err, s, "cannot read '%s'", path) : SHEEN_OK;
 }
 

@@ -26,6 +26,7 @@ enum { SHEEN_MESH_MAX_TRIANGLES = 20000000 };
 // with a repeated vertex or no area are dropped. EFORMAT; EDATA where no triangle is left.
 sheen_status sheen_mesh_parse(sheen_mesh *mesh, const void *data, size_t size_bytes, const char *name_hint,
                               sheen_err *err);
+// From a file, and then mended (mesh_repair.h).
 sheen_status sheen_mesh_load(sheen_mesh *mesh, const char *path, sheen_err *err);
 void sheen_mesh_release(sheen_mesh *mesh);
 
