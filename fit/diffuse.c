@@ -40,7 +40,8 @@ static size_t gather(sample out[MAX_VIEWS], const sheen_texel_view *views, const
         memset(s->basis, 0, sizeof s->basis);
         if (above[2] > 0)
             sheen_ambient_basis(s->basis, above);
-        s->schlick = pow(1 - (double)l->cosine[texel], 5);
+        const double u = 1 - (double)l->cosine[texel];
+        s->schlick = u * u * u * u * u;
         const double doubt = lights_doubt * (double)sheen_luminance(l->lights_rgb + 3 * texel);
         s->weight = (double)l->cosine[texel] / (noise_lin * noise_lin + doubt * doubt) * noise_lin *
                     noise_lin;
@@ -58,6 +59,8 @@ static double room(const sample *s, const sheen_surroundings *e, int c)
 
 static double fresnel(const sample *s, const sheen_surroundings *e)
 {
+    if (!e->present)
+        return 0;
     return e->f0 + (1 - e->f0) * s->schlick;
 }
 
@@ -174,7 +177,7 @@ static void solve(sheen_surroundings *e, normal_equations *q)
 void sheen_surroundings_fit(sheen_surroundings *surroundings, const sheen_texel_view *views,
                             const sheen_view_light *lights, size_t n_views)
 {
-    const size_t n_texels = n_views ? views[0].n_texels : 0, step = 1 + n_texels / 60000;
+    const size_t n_texels = n_views ? views[0].n_texels : 0, step = 1 + n_texels / 30000;
     for (int round = 0; round < 8; round++) {
         normal_equations q = {0};
         for (size_t t = 0; t < n_texels; t += step) {
@@ -194,6 +197,32 @@ void sheen_surroundings_fit(sheen_surroundings *surroundings, const sheen_texel_
         else if (q.f0_below > 0)
             surroundings->f0 = fmin(1, fmax(0, q.f0_above / q.f0_below));
     }
+}
+
+double sheen_diffuse_cost(const sheen_surroundings *surroundings, const sheen_texel_view *views,
+                          const sheen_view_light *lights, size_t n_views)
+{
+    const size_t n_texels = n_views ? views[0].n_texels : 0, step = 1 + n_texels / 30000;
+    double sum = 0, total = 0;
+    for (size_t t = 0; t < n_texels; t += step) {
+        sample s[MAX_VIEWS];
+        double w[MAX_VIEWS], mean[3], d[3];
+        const size_t n = gather(s, views, lights, n_views, t);
+        if (n < 3)
+            continue;
+        reweight(w, mean, s, n, surroundings, 2);
+        double all = 0;
+        for (size_t i = 0; i < n; i++)
+            all += w[i];
+        for (size_t i = 0; i < n; i++) {
+            // Against the mean of the others
+            diffuse_of(d, &s[i], surroundings);
+            const double z = (luminance(d) - luminance(mean)) * all / ((all - w[i]) * outlier_lin);
+            sum += s[i].weight * log1p(0.5 * z * z);
+            total += s[i].weight;
+        }
+    }
+    return total > 0 ? sum / total : 0;
 }
 
 typedef struct job {

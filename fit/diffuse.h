@@ -17,6 +17,11 @@ enum { SHEEN_REFINED_MAX_VIEWS = 64 };
 void sheen_surroundings_fit(sheen_surroundings *surroundings, const sheen_texel_view *views,
                             const sheen_view_light *lights, size_t n_views);
 
+// How badly each photograph of a texel is predicted by the others: mean Lorentzian of I_v - S_v - F_v M_v against the mean of the
+// rest. surroundings->present = 0: without F M.
+double sheen_diffuse_cost(const sheen_surroundings *surroundings, const sheen_texel_view *views,
+                          const sheen_view_light *lights, size_t n_views);
+
 // D of every texel: the robust mean of I_v - S_v - F_v M_v, in which a view counts less where it is seen at a slant and where
 // much was taken off it. Texels that no view sees stay unseen. texture: of the same lattice; n_views in it is kept.
 void sheen_diffuse_fit(sheen_texture *texture, const sheen_surroundings *surroundings,

@@ -74,12 +74,6 @@ static sheen_status make_hemisphere(run *r, sheen_err *err)
                                            (float)r->o.consistency, err)))
         return s;
     sheen_progress_timed(&r->o.progress, "illumination hemisphere", &r->watch);
-    if (!f->combined.n_assigned)
-        return sheen_fail(
-            err, SHEEN_EDATA,
-            "no highlight that the photographs agree on (threshold %g of white): the surface may be "
-            "matte, or mesh and poses may not fit the photographs",
-            r->o.threshold_lin);
     return SHEEN_OK;
 }
 
@@ -175,23 +169,28 @@ done:
 static sheen_status estimate_lights(run *r, sheen_err *err)
 {
     sheen_samples samples = {0};
+    if (!r->f->combined.n_assigned)
+        return sheen_fail(
+            err, SHEEN_EDATA,
+            "no highlight that the photographs agree on (threshold %g of white): the surface may be "
+            "matte, or mesh and poses may not fit the photographs",
+            r->o.threshold_lin);
     const sheen_status s = sheen_paper_lights(r->f, &samples, &r->o, NULL, NULL, err);
     sheen_samples_release(&samples);
     sheen_progress_timed(&r->o.progress, "lights and roughness", &r->watch);
     return s;
 }
 
-static sheen_status make(run *r, const sheen_scene *scene, sheen_err *err)
+static sheen_status make(run *r, sheen_err *err)
 {
-    sheen_status s;
+    sheen_scene *scene = NULL;
+    sheen_status s = sheen_scene_new(&scene, r->mesh, err);
     snprintf(r->f->model.method, sizeof r->f->model.method, "paper");
-    if ((s = see(r, scene, err)) || (s = make_texture(r, scene, err)))
-        return s;
-    if (r->o.texture_only)
-        return sheen_geodesic_init(&r->f->geodesic, r->o.frequency, err);
-    if ((s = make_hemisphere(r, err)))
-        return s;
-    return estimate_lights(r, err);
+    if (!s && !(s = see(r, scene, err)) && !(s = make_texture(r, scene, err)))
+        s = r->o.stop_after == SHEEN_PAPER_TEXTURE ? sheen_geodesic_init(&r->f->geodesic, r->o.frequency, err)
+                                                   : make_hemisphere(r, err);
+    sheen_scene_free(&scene);
+    return s || r->o.stop_after ? s : estimate_lights(r, err);
 }
 
 sheen_status sheen_paper_fit_make(sheen_paper_fit *out, const sheen_mesh *mesh, const sheen_photos *photos,
@@ -208,21 +207,12 @@ sheen_status sheen_paper_fit_make(sheen_paper_fit *out, const sheen_mesh *mesh, 
             "%zu photograph with a pose is too few: highlights are told from texture by how they move, "
             "which takes at least 2 and better 8",
             photos->count);
-    sheen_scene *scene = NULL;
     out->gbuffers = calloc(out->n_views, sizeof *out->gbuffers);
     out->residuals = calloc(out->n_views, sizeof *out->residuals);
     out->partials = calloc(out->n_views, sizeof *out->partials);
-    sheen_status s = SHEEN_OK;
-    if (!out->gbuffers || !out->residuals || !out->partials) {
-        s = sheen_fail_memory(err, 200.0 * (double)out->n_views, "views");
-        goto done;
-    }
-    if ((s = sheen_scene_new(&scene, mesh, err)))
-        goto done;
-    s = make(&r, scene, err);
-
-done:
-    sheen_scene_free(&scene);
+    const sheen_status s = out->gbuffers && out->residuals && out->partials
+                               ? make(&r, err)
+                               : sheen_fail_memory(err, 200.0 * (double)out->n_views, "views");
     if (s)
         sheen_paper_fit_release(out);
     return s;

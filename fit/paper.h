@@ -12,6 +12,13 @@
 #include "fit/samples.h"
 #include "render/model.h"
 
+// How far the method goes: a method that begins with it may want a part only.
+typedef enum sheen_paper_stop {
+    SHEEN_PAPER_ALL,
+    SHEEN_PAPER_TEXTURE,    // section 3.2 alone
+    SHEEN_PAPER_HEMISPHERE, // and residuals and hemispheres, section 4.1: a matte surface is no error then
+} sheen_paper_stop;
+
 typedef struct sheen_paper_options {
     int texels_per_edge;  // of a triangle's patch; 0: as fine as the photographs
     int frequency;        // of the geodesic hemisphere; 0: 60, the paper's 18000 nodes
@@ -21,8 +28,8 @@ typedef struct sheen_paper_options {
     size_t max_samples;   // 0: 30000
     sheen_loss loss;
     bool keep_poses, keep_exposures; // 1: the refined method takes them as they are given
-    bool texture_only;               // stop before the hemisphere: for a method that makes its own residuals
-    int n_threads;                   // 0: one a processor
+    sheen_paper_stop stop_after;
+    int n_threads; // 0: one a processor
     sheen_progress progress;
 } sheen_paper_options;
 

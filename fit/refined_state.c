@@ -42,7 +42,7 @@ void sheen_refined_state_release(sheen_refined_state *r)
     free(r->views);
     free(r->lights);
     free(r->shading);
-    sheen_samples_release(&r->samples);
+    sheen_lamp_points_release(&r->points);
     sheen_light_cells_free(&r->cells);
     sheen_scene_free(&r->scene);
 }
@@ -57,6 +57,7 @@ sheen_status sheen_refined_reload_view(sheen_refined_state *r, size_t i_view, sh
     sheen_gbuffer_release(&r->f->gbuffers[i_view]);
     r->f->gbuffers[i_view] = g;
     fill_texels(r, i_view);
+    r->keep_mirrored = 0;
     return SHEEN_OK;
 }
 
@@ -64,15 +65,20 @@ sheen_status sheen_refined_light_views(sheen_refined_state *r, sheen_err *err)
 {
     sheen_model *m = &r->f->model;
     sheen_light_cells_free(&r->cells);
+    sheen_lamp_points_release(&r->points);
     sheen_status s = sheen_light_cells_new(&r->cells, &m->lights, (float)m->sigma_rad, err);
+    if (!s)
+        s = sheen_lamp_points_init(&r->points, m->lamps, m->n_lamps, (float)m->sigma_rad, err);
     for (size_t i = 0; i < r->f->n_views && !s; i++) {
         if ((s = sheen_progress_step(&r->o.progress, "highlights and mirror images", (int)i,
                                      (int)r->f->n_views, err)))
             break;
-        sheen_shading_init(&r->shading[i], m, r->scene, r->cells, r->photos->photos[i].rt_world_obj);
+        sheen_shading_init(&r->shading[i], m, r->scene, r->cells, &r->points,
+                           r->photos->photos[i].rt_world_obj);
         sheen_view_light_fill(&r->lights[i], &r->shading[i], &r->views[i], r->f->gbuffers[i].p_camera_obj,
-                              r->o.n_threads);
+                              !r->keep_mirrored, r->o.n_threads);
     }
+    r->keep_mirrored = 1;
     return s;
 }
 

@@ -4,6 +4,7 @@
 #ifndef SHEEN_FIT_REFINED_STATE_H
 #define SHEEN_FIT_REFINED_STATE_H
 
+#include "fit/lamp_list.h"
 #include "fit/paper.h"
 #include "fit/view_light.h"
 
@@ -17,9 +18,12 @@ typedef struct sheen_refined_state {
     sheen_texel_view *views;  // [n_views] colours of the photographs at the texels
     sheen_view_light *lights; // [n_views] what the model predicts there besides the diffuse part
     sheen_light_cells *cells;
-    sheen_shading *shading; // [n_views]
-    sheen_samples samples;  // during the lights' estimation
-    int round;              // 0, 1, ...
+    sheen_lamp_points points;   // of the model's lamps
+    sheen_shading *shading;     // [n_views]
+    sheen_lamp_list lamps;      // those of the model, with their lobe
+    sheen_samples node_samples; // of an object that turned, while its lights are estimated
+    int round;                  // 0, 1, ...
+    int keep_mirrored;          // 1: mirror images are good as they are
 } sheen_refined_state;
 
 // f, mesh, photos and o are set; the rest is zero. Fills scene and views. ENOMEM.
@@ -30,9 +34,15 @@ void sheen_refined_state_release(sheen_refined_state *r);
 sheen_status sheen_refined_reload_view(sheen_refined_state *r, size_t i_view, sheen_err *err);
 
 // The steps, each given everything else:
-// r->lights and r->shading from the model.
+// r->lights and r->shading from the model; mirror images only where keep_mirrored is 0, which it then is no more.
 sheen_status sheen_refined_light_views(sheen_refined_state *r, sheen_err *err);
 // Residuals and partial hemispheres: photographs without what the texture and what is mirrored explain.
 sheen_status sheen_refined_residuals(sheen_refined_state *r, sheen_err *err);
+// Lamps and their lobe from the residuals.
+sheen_status sheen_refined_lamps(sheen_refined_state *r, sheen_err *err);
+
+// All rounds for an object that turned (refined_turned.c): surroundings, light and albedo, and nodes, in turns; one round more
+// of the first two than `rounds`.
+sheen_status sheen_refined_turned(sheen_refined_state *r, int rounds, sheen_stopwatch *watch, sheen_err *err);
 
 #endif

@@ -10,6 +10,8 @@
 #include "fit/depth_edges.h"
 #include "fit/texel_view.h"
 
+static const float clipped_lin = 0.97f;
+
 // The least number of photographs that saw any of the lattice points about a hit.
 static int least_views(const sheen_texture *t, const sheen_hit *h)
 {
@@ -66,6 +68,7 @@ static bool make_pixel(sheen_residual_pixel *out, const residual_view *view, int
     sheen_texture_sample(view->texture, h, diffuse);
     const float *photo = sheen_image_at(&view->photo->image, out->x_px, out->y_px);
     sheen_subf(out->rgb, photo, diffuse);
+    out->clipped = photo[0] >= clipped_lin || photo[1] >= clipped_lin || photo[2] >= clipped_lin;
     turn(out->n_world, &view->Rt_world_obj, n_obj);
     turn(out->v_world, &view->Rt_world_obj, v_obj);
     return true;

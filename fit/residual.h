@@ -15,6 +15,7 @@ typedef struct sheen_residual_pixel {
     float n_world[3], v_world[3]; // unit normal, unit direction to the camera
     float p_obj[3];
     int x_px, y_px;
+    uint8_t clipped; // the photograph is at its upper end in some channel
 } sheen_residual_pixel;
 
 // The pixels of one view that count: the object is seen clear of depth edges at n.v >= SHEEN_SEEN_MIN_COS, and the

@@ -31,48 +31,70 @@ void sheen_view_light_release(sheen_view_light *l)
     *l = (sheen_view_light){0};
 }
 
+enum { MAX_TEXELS = SHEEN_TEXTURE_MAX_EDGE * (SHEEN_TEXTURE_MAX_EDGE + 1) / 2 };
+
 typedef struct job {
     sheen_view_light *out;
     const sheen_shading *shading;
     const sheen_texel_view *seen;
     float camera_obj[3];
+    int with_mirrored;
 } job;
 
-static void shade_texel(const job *j, size_t texel, const float p_obj[3], const float n_obj[3])
+// The seen texels of one triangle, side by side.
+typedef struct patch {
+    size_t texel[MAX_TEXELS], n;
+    float p_obj[3 * MAX_TEXELS], n_obj[3 * MAX_TEXELS], v_obj[3 * MAX_TEXELS];
+} patch;
+
+static void gather_patch(patch *q, const job *j, size_t triangle, int edge)
 {
-    float v_obj[3];
-    sheen_subf(v_obj, j->camera_obj, p_obj);
-    sheen_normalizef(v_obj);
-    j->out->cosine[texel] = sheen_dotf(n_obj, v_obj);
-    sheen_shade_lights(j->out->lights_rgb + 3 * texel, j->shading, p_obj, n_obj, v_obj);
-    sheen_shade_split(j->out->mirrored_rgb + 3 * texel, j->out->above_world + 3 * texel, j->shading, p_obj,
-                      n_obj, v_obj);
+    const size_t per_triangle = sheen_texels_per_triangle(edge);
+    const uint8_t *seen = j->seen->seen + triangle * per_triangle;
+    q->n = 0;
+    if (!memchr(seen, 1, per_triangle))
+        return;
+    sheen_texture_lattice(&j->shading->model->mesh, triangle, edge, q->p_obj, q->n_obj);
+    for (size_t k = 0; k < per_triangle; k++) {
+        if (!seen[k])
+            continue;
+        const size_t to = q->n++;
+        q->texel[to] = triangle * per_triangle + k;
+        memmove(q->p_obj + 3 * to, q->p_obj + 3 * k, 3 * sizeof(float));
+        memmove(q->n_obj + 3 * to, q->n_obj + 3 * k, 3 * sizeof(float));
+        sheen_subf(q->v_obj + 3 * to, j->camera_obj, q->p_obj + 3 * to);
+        sheen_normalizef(q->v_obj + 3 * to);
+    }
 }
 
 static void shade_triangles(void *self, size_t begin, size_t end)
 {
     const job *j = self;
-    const sheen_mesh *mesh = &j->shading->model->mesh;
     const int edge = j->shading->model->texture.texels_per_edge;
-    const size_t per_triangle = sheen_texels_per_triangle(edge);
-    float p_obj[3 * SHEEN_TEXTURE_MAX_EDGE * (SHEEN_TEXTURE_MAX_EDGE + 1) / 2];
-    float n_obj[3 * SHEEN_TEXTURE_MAX_EDGE * (SHEEN_TEXTURE_MAX_EDGE + 1) / 2];
     for (size_t f = begin; f < end; f++) {
-        const uint8_t *seen = j->seen->seen + f * per_triangle;
-        if (!memchr(seen, 1, per_triangle))
-            continue;
-        sheen_texture_lattice(mesh, f, edge, p_obj, n_obj);
-        for (size_t k = 0; k < per_triangle; k++)
-            if (seen[k])
-                shade_texel(j, f * per_triangle + k, p_obj + 3 * k, n_obj + 3 * k);
+        patch q;
+        float rgb[3 * MAX_TEXELS], above_world[3 * MAX_TEXELS];
+        gather_patch(&q, j, f, edge);
+        if (j->with_mirrored)
+            sheen_shade_split(rgb, above_world, j->shading, q.p_obj, q.n_obj, q.v_obj, q.n);
+        for (size_t k = 0; k < q.n; k++) {
+            const size_t texel = q.texel[k];
+            j->out->cosine[texel] = sheen_dotf(q.n_obj + 3 * k, q.v_obj + 3 * k);
+            sheen_shade_lights(j->out->lights_rgb + 3 * texel, j->shading, q.p_obj + 3 * k, q.n_obj + 3 * k,
+                               q.v_obj + 3 * k);
+            if (!j->with_mirrored)
+                continue;
+            memcpy(j->out->mirrored_rgb + 3 * texel, rgb + 3 * k, 3 * sizeof *rgb);
+            memcpy(j->out->above_world + 3 * texel, above_world + 3 * k, 3 * sizeof *above_world);
+        }
     }
 }
 
 void sheen_view_light_fill(sheen_view_light *l, const sheen_shading *shading, const sheen_texel_view *seen,
-                           const double p_camera_obj[3], int n_threads)
+                           const double p_camera_obj[3], int with_mirrored, int n_threads)
 {
-    job j = {.out = l, .shading = shading, .seen = seen};
+    job j = {.out = l, .shading = shading, .seen = seen, .with_mirrored = with_mirrored};
     for (int i = 0; i < 3; i++)
         j.camera_obj[i] = (float)p_camera_obj[i];
-    sheen_parallel_for(shading->model->mesh.n_triangles, 64, n_threads, shade_triangles, &j);
+    sheen_parallel_for(shading->model->mesh.n_triangles, 128, n_threads, shade_triangles, &j);
 }

@@ -20,8 +20,8 @@ typedef struct sheen_view_light {
 
 sheen_status sheen_view_light_init(sheen_view_light *l, size_t n_texels, sheen_err *err);
 void sheen_view_light_release(sheen_view_light *l);
-// seen: the view's texels. The model's texture must have the lattice of `seen`.
+// with_mirrored 0: mirrored_rgb and above_world, which cost a ray each, stay as they are. seen: the view's texels. The model's texture must have the lattice of `seen`.
 void sheen_view_light_fill(sheen_view_light *l, const sheen_shading *shading, const sheen_texel_view *seen,
-                           const double p_camera_obj[3], int n_threads);
+                           const double p_camera_obj[3], int with_mirrored, int n_threads);
 
 #endif

@@ -43,6 +43,8 @@ sheen_status sheen_drawing_new(sheen_drawing **out, const sheen_model *model, sh
     sheen_status s = sheen_scene_new(&d->scene, &model->mesh, err);
     if (!s)
         s = sheen_lobe_block_cells(&d->cells, &model->lights, (float)model->sigma_rad, err);
+    if (!s)
+        s = sheen_lamp_points_init(&d->lamps, model->lamps, model->n_lamps, (float)model->sigma_rad, err);
     if (s)
         sheen_drawing_free(&d);
     *out = d;
@@ -55,6 +57,7 @@ void sheen_drawing_free(sheen_drawing **d)
         return;
     sheen_scene_free(&(*d)->scene);
     sheen_light_cells_free(&(*d)->cells);
+    sheen_lamp_points_release(&(*d)->lamps);
     free(*d);
     *d = NULL;
 }
@@ -211,7 +214,7 @@ sheen_status sheen_redraw(sheen_layers *out, const sheen_drawing *d, const sheen
     if (!s) {
         job j = {.drawing = d, .g = &g, .options = o, .out = out};
         j.tile_px = samples < TILE_SAMPLES_PER_SIDE ? TILE_SAMPLES_PER_SIDE / samples : 1;
-        sheen_shading_init(&j.shading, d->model, d->scene, d->cells, rt_world_obj);
+        sheen_shading_init(&j.shading, d->model, d->scene, d->cells, &d->lamps, rt_world_obj);
         sheen_parallel_for((size_t)cam->height_px, 16, o->n_threads, clear_rows, &j);
         const size_t n_bands = (size_t)((g.height_px + j.tile_px - 1) / j.tile_px);
         sheen_parallel_for(n_bands, 1, o->n_threads, draw_bands, &j);

@@ -9,6 +9,7 @@ struct sheen_drawing {
     const sheen_model *model; // lent
     sheen_scene *scene;
     sheen_light_cells *cells;
+    sheen_lamp_points lamps;
 };
 
 #endif

@@ -6,8 +6,8 @@
 // of breaking off in black speckles. A triangle seen from behind (the inside of an open mesh) has no specular
 // part.
 //
-// A model of lights alone takes its samples' sum together (lobe_block.h); one with shadows or mirrored
-// surroundings asks for each sample by itself (shade.h).
+// A model of lights alone takes its samples' sum together (lobe_block.h); one with shadows, lamps or
+// mirrored surroundings asks for each sample by itself (shade.h).
 #include "render/draw_tile.h"
 
 #include <math.h>
@@ -187,7 +187,7 @@ void sheen_tile_specular(sheen_tile *tile, const sheen_shading *s, const double 
     bool dark[SHEEN_TILE_SAMPLES];
     surface(&b, facing, tile, &s->model->mesh, p_camera_obj);
     mend_outline(&b, dark, facing, tile, &s->model->mesh);
-    if (s->model->shadows || s->model->surroundings.present)
+    if (s->model->shadows || s->model->surroundings.present || s->model->n_lamps)
         shade_each(tile, &b, dark, s, p_camera_obj);
     else
         shade_together(tile, &b, dark, s);

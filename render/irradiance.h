@@ -17,16 +17,16 @@ extern "C" {
 
 enum { SHEEN_IRRADIANCE_MAX_LAMPS = 24 };
 
-typedef struct sheen_lamp {
+typedef struct sheen_irradiance_lamp {
     float l_world[3]; // unit, towards it
     double rgb[3];    // g_j
-} sheen_lamp;
+} sheen_irradiance_lamp;
 
 typedef struct sheen_irradiance {
     int present;                        // 0: E is 1
     int degree;                         // of the harmonics, 0 to 2; the terms beyond are zero
     double rgb[SHEEN_AMBIENT_TERMS][3]; // e_k, in the order of sheen_ambient_basis
-    sheen_lamp lamps[SHEEN_IRRADIANCE_MAX_LAMPS];
+    sheen_irradiance_lamp lamps[SHEEN_IRRADIANCE_MAX_LAMPS];
     int n_lamps;
 } sheen_irradiance;
 

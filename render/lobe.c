@@ -17,25 +17,25 @@ float sheen_lobe_alpha2(const float n[3], const float v[3], const float l[3])
     const float h[3] = {l[0] + v[0], l[1] + v[1], l[2] + v[2]};
     const float inv_h = 1.0f / sqrtf(sheen_dotf(h, h));
     const float e[3] = {n[0] - h[0] * inv_h, n[1] - h[1] * inv_h, n[2] - h[2] * inv_h};
-    return alpha2_of(0.5f * sheen_dotf(e, e), 0);
+    return sheen_alpha2_of(0.5f * sheen_dotf(e, e), 0);
 }
 
 static float sum_baseline(const sheen_lights *lights, const float n[3], const float v[3], float sigma_rad)
 {
-    return lobe_sum(lights, n, v, sigma_rad, 0);
+    return sheen_lobe_sum_body(lights, n, v, sigma_rad, 0);
 }
 
 #if defined(__x86_64__)
 SHEEN_TARGET_AVX2 static float sum_avx2(const sheen_lights *lights, const float n[3], const float v[3],
                                         float sigma_rad)
 {
-    return lobe_sum(lights, n, v, sigma_rad, 1);
+    return sheen_lobe_sum_body(lights, n, v, sigma_rad, 1);
 }
 
 SHEEN_TARGET_AVX512 static float sum_avx512(const sheen_lights *lights, const float n[3], const float v[3],
                                             float sigma_rad)
 {
-    return lobe_sum(lights, n, v, sigma_rad, 1);
+    return sheen_lobe_sum_body(lights, n, v, sigma_rad, 1);
 }
 #endif
 

@@ -89,18 +89,18 @@ static group group_of(const sheen_lobe_block *b, int begin, int end)
 SHEEN_KERNEL_INLINE void slopes_of(float *first, float *second, float x, int fused)
 {
     float p = 6.451978477e-2f;
-    p = mad(p, x, -6.35801412e-2f, fused);
-    p = mad(p, x, 1.085629239e-1f, fused);
-    p = mad(p, x, 9.638229544e-2f, fused);
-    p = mad(p, x, 2.690728304e-1f, fused);
-    p = mad(p, x, 6.6656062e-1f, fused);
-    *first = mad(p, x, 2.000000567f, fused);
+    p = sheen_mad(p, x, -6.35801412e-2f, fused);
+    p = sheen_mad(p, x, 1.085629239e-1f, fused);
+    p = sheen_mad(p, x, 9.638229544e-2f, fused);
+    p = sheen_mad(p, x, 2.690728304e-1f, fused);
+    p = sheen_mad(p, x, 6.6656062e-1f, fused);
+    *first = sheen_mad(p, x, 2.000000567f, fused);
     float q = 3.871187086e-1f;
-    q = mad(q, x, -3.17900706e-1f, fused);
-    q = mad(q, x, 4.342516956e-1f, fused);
-    q = mad(q, x, 2.891468863e-1f, fused);
-    q = mad(q, x, 5.381456608e-1f, fused);
-    *second = mad(q, x, 6.6656062e-1f, fused);
+    q = sheen_mad(q, x, -3.17900706e-1f, fused);
+    q = sheen_mad(q, x, 4.342516956e-1f, fused);
+    q = sheen_mad(q, x, 2.891468863e-1f, fused);
+    q = sheen_mad(q, x, 5.381456608e-1f, fused);
+    *second = sheen_mad(q, x, 6.6656062e-1f, fused);
 }
 
 SHEEN_KERNEL_INLINE sums expand(const group *g, const sheen_lights *lights, float sigma_rad, int fused)
@@ -117,36 +117,36 @@ SHEEN_KERNEL_INLINE sums expand(const group *g, const sheen_lights *lights, floa
 #pragma omp simd reduction(+ : s, g1, g2, sx, sy, sz, h11, h12, h22, horizon)
     for (size_t i = 0; i < lights->count; i++) {
         const float lx = dx[i], ly = dy[i], lz = dz[i];
-        const float n_dot_l = mad(nx, lx, mad(ny, ly, nz * lz, fused), fused);
+        const float n_dot_l = sheen_mad(nx, lx, sheen_mad(ny, ly, nz * lz, fused), fused);
         float hx = lx + vx, hy = ly + vy, hz = lz + vz;
-        const float h2 = mad(hx, hx, mad(hy, hy, mad(hz, hz, 1e-12f, fused), fused), fused);
+        const float h2 = sheen_mad(hx, hx, sheen_mad(hy, hy, sheen_mad(hz, hz, 1e-12f, fused), fused), fused);
         const float inv_h = 1.0f / sqrtf(h2);
         hx *= inv_h;
         hy *= inv_h;
         hz *= inv_h;
         const float ex = nx - hx, ey = ny - hy, ez = nz - hz;
-        const float x = 0.5f * mad(ex, ex, mad(ey, ey, ez * ez, fused), fused), c = 1 - x;
-        const float all = weight[i] * exp2_minus(alpha2_of(x, fused) * (half * LOG2_E), fused);
+        const float x = 0.5f * sheen_mad(ex, ex, sheen_mad(ey, ey, ez * ez, fused), fused), c = 1 - x;
+        const float all = weight[i] * sheen_exp2_minus(sheen_alpha2_of(x, fused) * (half * LOG2_E), fused);
         const float above = n_dot_l > spread ? 1.0f : 0.0f, below = n_dot_l < -spread ? 1.0f : 0.0f;
         const float term = above * all;
         float p1, p2;
         slopes_of(&p1, &p2, x, fused);
         const float k = half * p1, m = half * p2, tk = term * k; // dE/dc = k, d2E/dc2 = -m
-        const float h1 = mad(ax, hx, mad(ay, hy, az * hz, fused), fused);
-        const float hb = mad(bx, hx, mad(by, hy, bz * hz, fused), fused);
+        const float h1 = sheen_mad(ax, hx, sheen_mad(ay, hy, az * hz, fused), fused);
+        const float hb = sheen_mad(bx, hx, sheen_mad(by, hy, bz * hz, fused), fused);
         const float bend = term * (k * k - m);
         s += term;
-        g1 = mad(tk, h1, g1, fused);
-        g2 = mad(tk, hb, g2, fused);
+        g1 = sheen_mad(tk, h1, g1, fused);
+        g2 = sheen_mad(tk, hb, g2, fused);
         const float tv = tk * inv_h;
-        sx = mad(tv, mad(-c, hx, nx, fused), sx, fused);
-        sy = mad(tv, mad(-c, hy, ny, fused), sy, fused);
-        sz = mad(tv, mad(-c, hz, nz, fused), sz, fused);
+        sx = sheen_mad(tv, sheen_mad(-c, hx, nx, fused), sx, fused);
+        sy = sheen_mad(tv, sheen_mad(-c, hy, ny, fused), sy, fused);
+        sz = sheen_mad(tv, sheen_mad(-c, hz, nz, fused), sz, fused);
         // n runs on a sphere: along the tangent plane it also sinks by d^2 / 2, and c by c d^2 / 2.
-        h11 += mad(bend * h1, h1, -tk * c, fused);
-        h12 = mad(bend * h1, hb, h12, fused);
-        h22 += mad(bend * hb, hb, -tk * c, fused);
-        horizon = mad(1 - above - below, all, horizon, fused);
+        h11 += sheen_mad(bend * h1, h1, -tk * c, fused);
+        h12 = sheen_mad(bend * h1, hb, h12, fused);
+        h22 += sheen_mad(bend * hb, hb, -tk * c, fused);
+        horizon = sheen_mad(1 - above - below, all, horizon, fused);
     }
     return (sums){s, g1, g2, sx, sy, sz, h11, h12, h22, horizon};
 }
@@ -169,7 +169,7 @@ SHEEN_KERNEL_INLINE void extrapolate(sheen_lobe_block *b, const group *g, const 
         const float dv = gx * (b->vx[i] - g->v0[0]) + gy * (b->vy[i] - g->v0[1]) + gz * (b->vz[i] - g->v0[2]);
         const float exponent = dv + d1 * (g1 + h11 * d1 + h12 * d2) + d2 * (g2 + h22 * d2);
         const float below = most - exponent * LOG2_E;
-        b->sum[i] = scale * exp2_minus(below > 0 ? below : 0, fused);
+        b->sum[i] = scale * sheen_exp2_minus(below > 0 ? below : 0, fused);
     }
 }
 
@@ -179,7 +179,7 @@ SHEEN_KERNEL_INLINE float sum_at(const sheen_lobe_block *b, int i, const sheen_l
     float r[3];
     sheen_mirrorf(r, n, v);
     const sheen_lights near = sheen_lights_near(cells, r);
-    return near.count ? lobe_sum(&near, n, v, cells->sigma_rad, fused) : 0;
+    return near.count ? sheen_lobe_sum_body(&near, n, v, cells->sigma_rad, fused) : 0;
 }
 
 // Adds the lights which some of the group's normals have below their horizon and some above; 0: too many.
@@ -205,7 +205,7 @@ SHEEN_KERNEL_INLINE int add_horizon(sheen_lobe_block *b, const group *g, const s
     }
     for (int i = g->begin; i < g->end; i++) {
         const float n[3] = {b->nx[i], b->ny[i], b->nz[i]}, v[3] = {b->vx[i], b->vy[i], b->vz[i]};
-        b->sum[i] += lobe_sum(&some, n, v, sigma_rad, fused);
+        b->sum[i] += sheen_lobe_sum_body(&some, n, v, sigma_rad, fused);
     }
     return 1;
 }
@@ -276,12 +276,12 @@ SHEEN_KERNEL_INLINE void sum_wide(sheen_lobe_block *b, const sheen_light_cells *
 SHEEN_KERNEL_INLINE float sine2_alpha2(float y, int fused)
 {
     float p = 0.48885318f;
-    p = mad(p, y, -0.46701586f, fused);
-    p = mad(p, y, 0.34399691f, fused);
-    p = mad(p, y, 0.051737792f, fused);
-    p = mad(p, y, 0.18462676f, fused);
-    p = mad(p, y, 0.33305755f, fused);
-    p = mad(p, y, 1.0000018f, fused);
+    p = sheen_mad(p, y, -0.46701586f, fused);
+    p = sheen_mad(p, y, 0.34399691f, fused);
+    p = sheen_mad(p, y, 0.051737792f, fused);
+    p = sheen_mad(p, y, 0.18462676f, fused);
+    p = sheen_mad(p, y, 0.33305755f, fused);
+    p = sheen_mad(p, y, 1.0000018f, fused);
     return p * y;
 }
 
@@ -294,15 +294,17 @@ SHEEN_KERNEL_INLINE void add_light(float sum[LANES], const sheen_lobe_block *b, 
     const float *vx = b->vx + begin, *vy = b->vy + begin, *vz = b->vz + begin;
 #pragma omp simd
     for (int i = 0; i < LANES; i++) {
-        const float n_dot_l = mad(nx[i], l[0], mad(ny[i], l[1], nz[i] * l[2], fused), fused);
+        const float n_dot_l = sheen_mad(nx[i], l[0], sheen_mad(ny[i], l[1], nz[i] * l[2], fused), fused);
         const float sx = l[0] + vx[i], sy = l[1] + vy[i], sz = l[2] + vz[i];
-        const float cx = mad(ny[i], sz, -nz[i] * sy, fused), cy = mad(nz[i], sx, -nx[i] * sz, fused),
-                    cz = mad(nx[i], sy, -ny[i] * sx, fused);
-        const float across2 = mad(cx, cx, mad(cy, cy, cz * cz, fused), fused);
-        const float length2 = mad(sx, sx, mad(sy, sy, mad(sz, sz, 1e-12f, fused), fused), fused);
+        const float cx = sheen_mad(ny[i], sz, -nz[i] * sy, fused),
+                    cy = sheen_mad(nz[i], sx, -nx[i] * sz, fused),
+                    cz = sheen_mad(nx[i], sy, -ny[i] * sx, fused);
+        const float across2 = sheen_mad(cx, cx, sheen_mad(cy, cy, cz * cz, fused), fused);
+        const float length2 = sheen_mad(sx, sx, sheen_mad(sy, sy, sheen_mad(sz, sz, 1e-12f, fused), fused),
+                                        fused);
         const float alpha2 = sine2_alpha2(across2 / length2, fused);
         const float lit = n_dot_l > 0.0f ? weight : 0.0f;
-        sum[i] = mad(lit, exp2_minus(alpha2 * per_alpha2, fused), sum[i], fused);
+        sum[i] = sheen_mad(lit, sheen_exp2_minus(alpha2 * per_alpha2, fused), sum[i], fused);
     }
 }
 

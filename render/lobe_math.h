@@ -24,26 +24,26 @@
 #define SHEEN_LOBE_EXPONENT_MAX 100.0f
 
 // a * b + c; in one rounding where the instruction set has it (constant `fused`: one of the two is compiled).
-SHEEN_KERNEL_INLINE float mad(float a, float b, float c, int fused)
+SHEEN_KERNEL_INLINE float sheen_mad(float a, float b, float c, int fused)
 {
     return fused ? __builtin_fmaf(a, b, c) : a * b + c;
 }
 
 // alpha^2 = acos(1 - x)^2 for x in 0..1.
-SHEEN_KERNEL_INLINE float alpha2_of(float x, int fused)
+SHEEN_KERNEL_INLINE float sheen_alpha2_of(float x, int fused)
 {
     float p = 9.217112091e-3f;
-    p = mad(p, x, -1.05966902e-2f, fused);
-    p = mad(p, x, 2.171258428e-2f, fused);
-    p = mad(p, x, 2.409557386e-2f, fused);
-    p = mad(p, x, 8.969094345e-2f, fused);
-    p = mad(p, x, 3.3328031e-1f, fused);
-    p = mad(p, x, 2.000000567f, fused);
+    p = sheen_mad(p, x, -1.05966902e-2f, fused);
+    p = sheen_mad(p, x, 2.171258428e-2f, fused);
+    p = sheen_mad(p, x, 2.409557386e-2f, fused);
+    p = sheen_mad(p, x, 8.969094345e-2f, fused);
+    p = sheen_mad(p, x, 3.3328031e-1f, fused);
+    p = sheen_mad(p, x, 2.000000567f, fused);
     return p * x;
 }
 
 // 2^-t for t >= 0, relative error below 2e-7; never below 1e-30.
-SHEEN_KERNEL_INLINE float exp2_minus(float t, int fused)
+SHEEN_KERNEL_INLINE float sheen_exp2_minus(float t, int fused)
 {
     const float most = SHEEN_LOBE_EXPONENT_MAX;
     int32_t bits, most_bits;
@@ -55,11 +55,11 @@ SHEEN_KERNEL_INLINE float exp2_minus(float t, int fused)
     const int32_t k = (int32_t)(t + 0.5f); // nearest integer, as t >= 0
     const float f = (float)k - t;          // -0.5..0.5
     float p = 1.327644276e-3f;
-    p = mad(p, f, 9.675541101e-3f, fused);
-    p = mad(p, f, 5.550713364e-2f, fused);
-    p = mad(p, f, 2.402211973e-1f, fused);
-    p = mad(p, f, 6.93146967e-1f, fused);
-    p = mad(p, f, 1.000000072f, fused);
+    p = sheen_mad(p, f, 9.675541101e-3f, fused);
+    p = sheen_mad(p, f, 5.550713364e-2f, fused);
+    p = sheen_mad(p, f, 2.402211973e-1f, fused);
+    p = sheen_mad(p, f, 6.93146967e-1f, fused);
+    p = sheen_mad(p, f, 1.000000072f, fused);
     bits = (127 - k) * (1 << 23); // 2^-k
     float scale;
     memcpy(&scale, &bits, sizeof scale);
@@ -67,8 +67,8 @@ SHEEN_KERNEL_INLINE float exp2_minus(float t, int fused)
 }
 
 // sum_l weight_l exp(-alpha_l^2 / (2 sigma^2)) over lights above the horizon; n.v > 0.
-SHEEN_KERNEL_INLINE float lobe_sum(const sheen_lights *lights, const float n[3], const float v[3],
-                                   float sigma_rad, int fused)
+SHEEN_KERNEL_INLINE float sheen_lobe_sum_body(const sheen_lights *lights, const float n[3], const float v[3],
+                                              float sigma_rad, int fused)
 {
     const float *restrict dx = lights->dx;
     const float *restrict dy = lights->dy;
@@ -84,18 +84,18 @@ SHEEN_KERNEL_INLINE float lobe_sum(const sheen_lights *lights, const float n[3],
 #pragma omp simd reduction(+ : sum)
     for (size_t i = 0; i < count; i++) {
         const float lx = dx[i], ly = dy[i], lz = dz[i];
-        const float n_dot_l = mad(nx, lx, mad(ny, ly, nz * lz, fused), fused);
+        const float n_dot_l = sheen_mad(nx, lx, sheen_mad(ny, ly, nz * lz, fused), fused);
         const float hx = lx + vx, hy = ly + vy, hz = lz + vz;
         // Opposite directions have no bisector; they are below the horizon, and the small term keeps them
         // finite.
-        const float h2 = mad(hx, hx, mad(hy, hy, mad(hz, hz, 1e-12f, fused), fused), fused);
+        const float h2 = sheen_mad(hx, hx, sheen_mad(hy, hy, sheen_mad(hz, hz, 1e-12f, fused), fused), fused);
         const float inv_h = 1.0f / sqrtf(h2);
-        const float ex = mad(-hx, inv_h, nx, fused), ey = mad(-hy, inv_h, ny, fused),
-                    ez = mad(-hz, inv_h, nz, fused);
-        const float x = 0.5f * mad(ex, ex, mad(ey, ey, ez * ez, fused), fused);
+        const float ex = sheen_mad(-hx, inv_h, nx, fused), ey = sheen_mad(-hy, inv_h, ny, fused),
+                    ez = sheen_mad(-hz, inv_h, nz, fused);
+        const float x = 0.5f * sheen_mad(ex, ex, sheen_mad(ey, ey, ez * ez, fused), fused);
         const float lit = n_dot_l > 0.0f ? 1.0f
                                          : 0.0f; // selecting weight[i] itself would be a branch about a load
-        sum += lit * weight[i] * exp2_minus(alpha2_of(x, fused) * per_alpha2, fused);
+        sum += lit * weight[i] * sheen_exp2_minus(sheen_alpha2_of(x, fused) * per_alpha2, fused);
     }
     return sum;
 }

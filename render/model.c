@@ -25,6 +25,7 @@ void sheen_model_release(sheen_model *m)
     sheen_texture_release(&m->texture);
     sheen_surroundings_release(&m->surroundings);
     sheen_model_set_lights(m, 0, NULL);
+    sheen_model_set_lamps(m, NULL, 0, NULL);
     sheen_model_init(m);
 }
 
@@ -110,6 +111,8 @@ sheen_status sheen_model_check(const sheen_model *m, sheen_status code, sheen_er
     sheen_status s = sheen_model_check_surroundings(&m->surroundings, code, err);
     if (!s)
         s = sheen_model_check_irradiance(&m->irradiance, code, err);
+    if (!s)
+        s = sheen_model_check_lamps(m, code, err);
     return s ? s : check_lights(m, code, err);
 }
 
@@ -144,6 +147,7 @@ void sheen_model_put_numbers(sheen_json_writer *w, const sheen_model *m)
     sheen_json_put_string(w, "moving", m->moving == SHEEN_MOVING_OBJECT ? "object" : "camera");
     sheen_json_put_numbers(w, "rt_world_obj", m->rt_world_obj, 6);
     write_lights(w, m);
+    sheen_model_write_lamps(w, m);
     sheen_model_put_surroundings(w, m);
     sheen_model_put_irradiance(w, m);
 }
@@ -214,7 +218,7 @@ sheen_status sheen_model_save(const sheen_model *m, const sheen_session *s, cons
 
     sheen_json_writer w = {0};
     sheen_json_open(&w, NULL, '{');
-    sheen_json_put_string(&w, "schema", "sheen-model/1");
+    sheen_json_put_string(&w, "schema", m->n_lamps ? "sheen-model/2" : "sheen-model/1");
     sheen_model_put_numbers(&w, m);
     write_surface(&w, m, mesh_file, mesh_digest);
     if (extra)

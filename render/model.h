@@ -10,6 +10,7 @@
 #include "base/mesh.h"
 #include "base/session.h"
 #include "render/irradiance.h"
+#include "render/lamp.h"
 #include "render/lobe.h"
 #include "render/surroundings.h"
 #include "render/texture.h"
@@ -33,6 +34,11 @@ typedef struct sheen_model {
     float *radiance;        // [lights.count] L_l
     sheen_lights lights;    // directions in world; weight = (2 pi / N_L) L_l
     double k_s, sigma_rad;
+    // Beyond the paper: lamps, added to the nodes' light (see lamp.h for what they add)
+    sheen_lamp *lamps; // [n_lamps] frame world
+    size_t n_lamps;
+    double lamp_origin_world[3];     // their directions and distances are from here
+    double lobe_tail, lobe_fresnel;  // of the lamps' lobe, whose sigma is sigma_rad
     int shadows;                     // 1: the mesh hides lights from its own surface (beyond the paper)
     sheen_irradiance irradiance;     // of an object that turned: the light on its texture (beyond the paper)
     sheen_surroundings surroundings; // what is mirrored besides the lights (beyond the paper)
@@ -48,6 +54,9 @@ sheen_status sheen_model_set_lights(sheen_model *m, size_t n, sheen_err *err);
 // object turned, as the camera sees it turned under lights that stand still; else always the same. (To let the lights turn
 // with the object instead, draw with the model's own rt_world_obj.)
 void sheen_model_place(double rt_world_obj[6], const sheen_model *m, const double rt_cam_obj[6]);
+// Replaces the lamps by a copy of lamps[n]. ENOMEM.
+sheen_status sheen_model_set_lamps(sheen_model *m, const sheen_lamp *lamps, size_t n, sheen_err *err);
+sheen_lobe_shape sheen_model_lobe(const sheen_model *m);
 
 // Into a folder (an unfinished model/ that the caller renames to its place): model.json and texture.exr. s:
 // the session whose mesh was fitted; its digest goes into model.json. `extra` (may be NULL) adds members to

@@ -42,7 +42,7 @@ void sheen_model_put_irradiance(sheen_json_writer *w, const sheen_model *m)
     sheen_json_close(w);
     sheen_json_open(w, "lamps", '[');
     for (int j = 0; j < e->n_lamps; j++) {
-        const sheen_lamp *lamp = &e->lamps[j];
+        const sheen_irradiance_lamp *lamp = &e->lamps[j];
         const double row[6] = {(double)lamp->l_world[0],
                                (double)lamp->l_world[1],
                                (double)lamp->l_world[2],

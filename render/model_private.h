@@ -6,7 +6,7 @@
 #include "render/model.h"
 
 #define SHEEN_MODEL_SCHEMA "sheen-model"
-enum { SHEEN_MODEL_VERSION = 1 };
+enum { SHEEN_MODEL_VERSION = 2 }; // 2: with lamps
 #define SHEEN_MODEL_FILE "model.json"
 #define SHEEN_MODEL_TEXTURE_FILE "texture.exr"
 
@@ -25,6 +25,11 @@ sheen_status sheen_model_load_surroundings(sheen_model *m, const char *dir, cons
 sheen_status sheen_model_check_irradiance(const sheen_irradiance *e, sheen_status code, sheen_err *err);
 void sheen_model_put_irradiance(sheen_json_writer *w, const sheen_model *m);
 sheen_status sheen_model_get_irradiance(sheen_model *m, const sheen_json *root, sheen_err *err);
+
+// The lamps (model_lamps.c): checked, written where there are any, parsed.
+sheen_status sheen_model_check_lamps(const sheen_model *m, sheen_status code, sheen_err *err);
+void sheen_model_write_lamps(sheen_json_writer *w, const sheen_model *m);
+sheen_status sheen_model_parse_lamps(sheen_model *m, const sheen_json *root, sheen_err *err);
 
 // Nodes of the geodesic hemisphere of a frequency.
 size_t sheen_model_hemisphere_size(int frequency);

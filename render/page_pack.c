@@ -289,6 +289,10 @@ static sheen_status check(const sheen_model *m, const sheen_page_view *view, she
                                        m->surroundings.board.height_px > SHEEN_PAGE_MAX_BOARD_SIDE_PX))
         return sheen_fail(err, SHEEN_EARG, "a board of %d x %d px is too large for a page",
                           m->surroundings.board.width_px, m->surroundings.board.height_px);
+    if (m->n_lamps)
+        return sheen_fail(
+            err, SHEEN_EUNSUP,
+            "a page cannot show lamps that are near or have extent yet; fit with --method paper");
     bool good = isfinite(view->focal_per_width) && view->focal_per_width > 0 &&
                 all_finite(mesh->p_obj, 3 * mesh->n_vertices) &&
                 all_finite(mesh->n_obj, 3 * mesh->n_vertices);

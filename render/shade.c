@@ -31,12 +31,13 @@ static void place_board(sheen_shading *s, const double rt_world_obj[6])
 }
 
 void sheen_shading_init(sheen_shading *s, const sheen_model *model, const sheen_scene *scene,
-                        const sheen_light_cells *cells, const double rt_world_obj[6])
+                        const sheen_light_cells *cells, const sheen_lamp_points *lamps,
+                        const double rt_world_obj[6])
 {
     sheen_Rt Rt;
     float centre[3], radius_m;
     sheen_Rt_from_rt(&Rt, rt_world_obj);
-    *s = (sheen_shading){.model = model, .scene = scene, .cells = cells};
+    *s = (sheen_shading){.model = model, .scene = scene, .cells = cells, .lamps = lamps};
     for (int i = 0; i < 3; i++) {
         for (int k = 0; k < 3; k++)
             s->R_world_obj[i][k] = (float)Rt.R[i][k];
@@ -106,6 +107,37 @@ static float shadowed_sum(const sheen_shading *s, const float p_obj[3], const fl
     return sum * sheen_lobe_inverse_cos(n, v);
 }
 
+// Adds the lamps' light, some at a time.
+static void add_lamps(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
+                      const float n[3], const float v[3])
+{
+    enum { AT_A_TIME = 64 };
+    const sheen_model *m = s->model;
+    const sheen_lobe_shape lobe = sheen_model_lobe(m);
+    float x[3], response[AT_A_TIME];
+    to_world(x, s, p_obj);
+    for (int i = 0; i < 3; i++)
+        x[i] += s->t_world_obj[i] - (float)m->lamp_origin_world[i];
+    for (size_t begin = 0; begin < m->n_lamps; begin += AT_A_TIME) {
+        const size_t n_now = m->n_lamps - begin < AT_A_TIME ? m->n_lamps - begin : AT_A_TIME;
+        sheen_lamp_responses(response, s->lamps, begin, n_now, &lobe, x, n, v);
+        for (size_t i = 0; i < n_now; i++) {
+            const sheen_lamp *lamp = &m->lamps[begin + i];
+            float to_lamp[3], l_obj[3];
+            if (!(response[i] * (lamp->rgb[0] + lamp->rgb[1] + lamp->rgb[2]) > negligible_lin))
+                continue;
+            for (int k = 0; k < 3; k++)
+                to_lamp[k] = lamp->direction_world[k] - lamp->inverse_distance_per_m * x[k];
+            sheen_normalizef(to_lamp);
+            to_obj(l_obj, s, to_lamp);
+            if (m->shadows && cast(s, p_obj, n_obj, l_obj).triangle != SHEEN_NO_HIT)
+                continue;
+            for (int c = 0; c < 3; c++)
+                rgb[c] += response[i] * lamp->rgb[c];
+        }
+    }
+}
+
 void sheen_shade_lights(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
                         const float v_obj[3])
 {
@@ -118,6 +150,7 @@ void sheen_shade_lights(float rgb[3], const sheen_shading *s, const float p_obj[
         sum = shadowed_sum(s, p_obj, n_obj, n, v);
     for (int c = 0; c < 3; c++)
         rgb[c] = sum * k_s * (float)s->model->light_rgb[c];
+    add_lamps(rgb, s, p_obj, n_obj, n, v);
 }
 
 void sheen_shade_irradiance(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3])
@@ -130,7 +163,7 @@ void sheen_shade_irradiance(float rgb[3], const sheen_shading *s, const float p_
     to_world(n, s, n_obj);
     sheen_irradiance_ambient(rgb, e, n);
     for (int j = 0; j < e->n_lamps; j++) {
-        const sheen_lamp *lamp = &e->lamps[j];
+        const sheen_irradiance_lamp *lamp = &e->lamps[j];
         const float cosine = sheen_dotf(n, lamp->l_world);
         if (!(cosine > 0))
             continue;
@@ -161,17 +194,16 @@ static void to_board(float out[3], const sheen_shading *s, const float x_world[3
         out[i] = sheen_dotf(s->R_board_world[i], x_world) + t[i];
 }
 
-void sheen_shade_split(float rgb[3], float above_world[3], const sheen_shading *s, const float p_obj[3],
-                       const float n_obj[3], const float v_obj[3])
+// What a mirror ray from p_obj in direction r_obj brings, given its first hit.
+static void split_hit(float rgb[3], float above_world[3], const sheen_shading *s, const float p_obj[3],
+                      const float r_obj[3], const sheen_hit *hit)
 {
     static const float zero[3] = {0, 0, 0};
-    float r_obj[3], r_world[3], p_world[3], p_board[3], r_board[3];
+    float r_world[3], p_world[3], p_board[3], r_board[3];
     rgb[0] = rgb[1] = rgb[2] = above_world[0] = above_world[1] = above_world[2] = 0;
-    sheen_mirrorf(r_obj, n_obj, v_obj);
-    const sheen_hit hit = cast(s, p_obj, n_obj, r_obj);
-    if (hit.triangle != SHEEN_NO_HIT) {
-        sheen_texture_sample(&s->model->texture, &hit, rgb);
-        light_mirrored(rgb, s, &hit, p_obj);
+    if (hit->triangle != SHEEN_NO_HIT) {
+        sheen_texture_sample(&s->model->texture, hit, rgb);
+        light_mirrored(rgb, s, hit, p_obj);
         return;
     }
     to_world(r_world, s, r_obj);
@@ -192,6 +224,27 @@ void sheen_shade_split(float rgb[3], float above_world[3], const sheen_shading *
                                 turned ? r_board : r_world);
 }
 
+void sheen_shade_split(float *rgb, float *above_world, const sheen_shading *s, const float *p_obj,
+                       const float *n_obj, const float *v_obj, size_t n)
+{
+    enum { AT_A_TIME = 64 };
+    for (size_t begin = 0; begin < n; begin += AT_A_TIME) {
+        const size_t n_now = n - begin < AT_A_TIME ? n - begin : AT_A_TIME;
+        float from[3 * AT_A_TIME], r_obj[3 * AT_A_TIME];
+        sheen_hit hits[AT_A_TIME];
+        for (size_t i = 0; i < n_now; i++) {
+            const size_t at = 3 * (begin + i);
+            sheen_mirrorf(r_obj + 3 * i, n_obj + at, v_obj + at);
+            for (size_t k = 0; k < 3; k++)
+                from[3 * i + k] = p_obj[at + k] + s->offset_m * n_obj[at + k];
+        }
+        sheen_scene_first_hits(s->scene, hits, from, 0, r_obj, n_now);
+        for (size_t i = 0; i < n_now; i++)
+            split_hit(rgb + 3 * (begin + i), above_world + 3 * (begin + i), s, p_obj + 3 * (begin + i),
+                      r_obj + 3 * i, &hits[i]);
+    }
+}
+
 void sheen_shade_mirrored(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
                           const float v_obj[3])
 {
@@ -199,7 +252,7 @@ void sheen_shade_mirrored(float rgb[3], const sheen_shading *s, const float p_ob
     rgb[0] = rgb[1] = rgb[2] = 0;
     if (!s->model->surroundings.present)
         return;
-    sheen_shade_split(rgb, above_world, s, p_obj, n_obj, v_obj);
+    sheen_shade_split(rgb, above_world, s, p_obj, n_obj, v_obj, 1);
     if (above_world[2] > 0)
         sheen_surroundings_radiance(rgb, &s->model->surroundings, p_obj, above_world);
 }

@@ -16,15 +16,17 @@ typedef struct sheen_shading {
     const sheen_model *model;       // k_S, sigma, lights, surroundings, texture; lent
     const sheen_scene *scene;       // of the model's mesh
     const sheen_light_cells *cells; // of the model's lights at its sigma
+    const sheen_lamp_points *lamps; // of the model's lamps
     float R_world_obj[3][3], t_world_obj[3];
     float R_board_world[3][3], t_board_world[3]; // the board turns with an object that turns; else identity
     float offset_m;                              // by which secondary rays start off the surface
 } sheen_shading;
 
 void sheen_shading_init(sheen_shading *s, const sheen_model *model, const sheen_scene *scene,
-                        const sheen_light_cells *cells, const double rt_world_obj[6]);
+                        const sheen_light_cells *cells, const sheen_lamp_points *lamps,
+                        const double rt_world_obj[6]);
 
-// Specular light by eq. (7) (times k_S and the lights' colour), each light shadowed by the mesh where the model says so.
+// Specular light of nodes by eq. (7) (times k_S and the lights' colour), and of lamps (lamp.h), each shadowed by the mesh where the model says so.
 void sheen_shade_lights(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
                         const float v_obj[3]);
 // E of irradiance.h at a point: what the texture there is multiplied by. 1 where the model has none.
@@ -36,10 +38,10 @@ int sheen_shade_hidden(const sheen_shading *s, const float p_obj[3], const float
 // surroundings. Black where the model has none.
 void sheen_shade_mirrored(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
                           const float v_obj[3]);
-// The same taken apart: rgb where the mirror direction meets the object or the plane, and black where it leads up and out;
-// then above_world is that direction, else 0.
-void sheen_shade_split(float rgb[3], float above_world[3], const sheen_shading *s, const float p_obj[3],
-                       const float n_obj[3], const float v_obj[3]);
+// The same taken apart, for n points (arrays [n][3]; neighbours side by side are faster): rgb where the mirror direction meets the
+// object or the plane, and black where it leads up and out; then above_world is that direction, else 0.
+void sheen_shade_split(float *rgb, float *above_world, const sheen_shading *s, const float *p_obj,
+                       const float *n_obj, const float *v_obj, size_t n);
 // Both, the second times F.
 void sheen_shade(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
                  const float v_obj[3]);

@@ -38,7 +38,7 @@ sheen_status sheen_model_stand_still(sheen_model *m, int n_threads, sheen_err *e
         const sheen_status s = sheen_scene_new(&scene, &m->mesh, err);
         if (s)
             return s;
-        sheen_shading_init(&shading, m, scene, NULL, m->rt_world_obj);
+        sheen_shading_init(&shading, m, scene, NULL, NULL, m->rt_world_obj);
         job j = {m, &shading};
         sheen_parallel_for(m->mesh.n_triangles, 64, n_threads, light_triangles, &j);
         sheen_scene_free(&scene);

@@ -81,7 +81,8 @@ static void fit_scene(const exact_scene *s, const char *label, sheen_fit_method 
     exact_score_model(&score, s, &f.model);
     exact_score_print(stdout, label, sheen_fit_method_name(method), &score);
     printf("%40s poses off by %.2f px, exposures by %.3f EV; %zu lights, %.1f CPU s\n", "",
-           pose_error_px(s, &inputs), exposure_error_ev(s, &f.align), f.model.lights.count, fit_s);
+           pose_error_px(s, &inputs), exposure_error_ev(s, &f.align), f.model.lights.count + f.model.n_lamps,
+           fit_s);
     free(inputs.photos);
     sheen_paper_fit_release(&f);
 }

@@ -20,6 +20,19 @@ typedef struct found_light {
 
 static found_light light_of(const sheen_model *m, size_t i)
 {
+    if (i >= m->lights.count) {
+        // Lamps are stated from an origin of their own: here from the middle of the object
+        const sheen_lamp *l = &m->lamps[i - m->lights.count];
+        const double per_m = (double)l->inverse_distance_per_m;
+        found_light f = {.rgb = {(double)l->rgb[0], (double)l->rgb[1], (double)l->rgb[2]}};
+        for (int k = 0; k < 3; k++)
+            f.v_world[k] = (double)l->direction_world[k] + per_m * m->lamp_origin_world[k];
+        const double length = sheen_normalize(f.v_world);
+        f.per_m = per_m / length;
+        for (int k = 0; k < 3; k++)
+            f.rgb[k] /= length * length;
+        return f;
+    }
     const double strength = m->k_s * (double)m->lights.weight[i];
     return (found_light){
         .v_world = {(double)m->lights.dx[i], (double)m->lights.dy[i], (double)m->lights.dz[i]},
@@ -54,7 +67,7 @@ static found_light gather(const exact_scene *s, const sheen_model *m, int i)
     const exact_light *t = &s->lights[i];
     const double cone_rad = fmin(12 * pi / 180, fmax(3 * pi / 180, t->radius_rad + 2 * s->o.sigma_rad));
     found_light sum = {.per_m = 0};
-    for (size_t k = 0; k < m->lights.count; k++) {
+    for (size_t k = 0; k < m->lights.count + m->n_lamps; k++) {
         const found_light f = light_of(m, k);
         if (nearest_true(s, f.v_world) != i || sheen_dot(f.v_world, t->v_world) < cos(cone_rad))
             continue;

@@ -44,6 +44,11 @@ static void fill_model(sheen_model *m)
         m->lights.weight[i] = (float)(sheen_geodesic_solid_angle_sr(&g) * (double)m->radiance[i]);
     }
     sheen_geodesic_release(&g);
+    const sheen_lamp lamps[2] = {{{0, 0, 1}, 1.5f, 0.125f, {1, 2, 3}}, {{0.6f, 0, 0.8f}, 0, 0, {4, 5, 6}}};
+    assert_ok(sheen_model_set_lamps(m, lamps, 2, &err), err);
+    m->lobe_tail = 0.25;
+    m->lobe_fresnel = 24;
+    m->lamp_origin_world[2] = 0.0625;
     assert_ok(sheen_texture_init(&m->texture, m->mesh.n_triangles, 3, &err), err);
     for (size_t i = 0; i < m->mesh.n_triangles * 6; i++) {
         m->texture.n_views[i] = (uint8_t)(i % 9);
@@ -256,8 +261,13 @@ static void refuses_damaged_numbers(void **state)
     static const struct {
         const char *from, *to, *says;
     } cases[] = {
-        {"sheen-model/1", "sheen-model/2", "schema"},
-        {"sheen-model/1", "sheen-poses/1", "schema"},
+        {"sheen-model/2", "sheen-model/3", "schema"},
+        {"sheen-model/2", "sheen-poses/1", "schema"},
+        {"\"tail\": 0.25", "\"tail\": 1.5", "lobe"},
+        {"\"fresnel\": 24", "\"fresnel\": -1", "lobe"},
+        {"\"radius_rad\": 0.125", "\"radius_rad\": -0.125", "extent"},
+        {"\"inverse_distance_per_m\": 1.5", "\"inverse_distance_per_m\": -1.5", "distance"},
+        {"\"origin_world\": [", "\"origin_world\": [1e9, ", "origin_world"},
         {"\"method\": \"paper\"", "\"method\": \"../etc\"", "plain name"},
         {"\"method\": \"paper\"", "\"method\": \"averyveryverylongnameindeed\"", "plain name"},
         {"\"moving\": \"object\"", "\"moving\": \"table\"", "neither"},

@@ -112,7 +112,7 @@ static void set_up(shaded *s)
     s->m.sigma_rad = 0.05;
     assert_ok(sheen_scene_new(&s->scene, &s->m.mesh, &err), err);
     assert_ok(sheen_light_cells_new(&s->cells, &s->m.lights, 0.05f, &err), err);
-    sheen_shading_init(&s->shading, &s->m, s->scene, s->cells, identity);
+    sheen_shading_init(&s->shading, &s->m, s->scene, s->cells, NULL, identity);
 }
 
 static void tear_down(shaded *s)
@@ -160,7 +160,7 @@ static void the_object_mirrors_itself_else_the_room(void **state)
     assert_close(rgb[0], 0.7, 1e-6); // the other triangle's texture
     sheen_shade_mirrored(rgb, &s.shading, p, n, from_right);
     assert_close(rgb[0], 1, 1e-6); // the room
-    sheen_shade_split(rgb, above, &s.shading, p, n, from_right);
+    sheen_shade_split(rgb, above, &s.shading, p, n, from_right, 1);
     assert_close(rgb[0], 0, 0);
     assert_close(above[0], -0.6, 1e-6);
     sheen_shade(rgb, &s.shading, p, n, from_right); // lobe plus F times the room

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+// lamp_list.c - greedy births with a test, and a backward elimination.
+#include "fit/lamp_list.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/vec.h"
+#include "fit/lamp_start.h"
+#include "fit/robust.h"
+
+enum { MAX_BANS = 5, LAMP_PARAMETERS = 5 };
+static const double scale_floor = 0.0015, scale_ceiling = 0.1;
+
+typedef struct search {
+    sheen_lamp_list *list;
+    const sheen_lamp_samples *samples;
+    sheen_lamp_list_options o;
+    float *predicted, *trial; // [count]
+    double *residual, *scratch;
+    double *view_cost, *view_cost_trial; // [n_views]
+    sheen_lamp_ban bans[MAX_BANS];
+    size_t n_bans;
+} search;
+
+static double residual_at(const search *q, const float *predicted, size_t i)
+{
+    return sheen_lamp_residual(&q->samples->at[i], (double)predicted[i]);
+}
+
+// Scale of what is not explained, over samples that are lit or said to be.
+static void measure_scale(search *q)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < q->samples->count; i++)
+        if (q->samples->at[i].lit || q->predicted[i] > q->o.threshold_lin)
+            q->residual[n++] = residual_at(q, q->predicted, i);
+    const double scale = sheen_robust_scale(q->residual, n, q->scratch);
+    q->list->scale = fmin(scale_ceiling, fmax(scale_floor, scale));
+    q->o.fit.scale = q->list->scale;
+}
+
+static double cost_by_view(double *by_view, const search *q, const float *predicted)
+{
+    double total = 0;
+    memset(by_view, 0, q->samples->n_views * sizeof *by_view);
+    for (size_t i = 0; i < q->samples->count; i++)
+        by_view[q->samples->at[i].view] += sheen_loss_rho(SHEEN_LOSS_LORENTZIAN, residual_at(q, predicted, i),
+                                                          q->list->scale);
+    for (size_t v = 0; v < q->samples->n_views; v++)
+        total += by_view[v];
+    return total;
+}
+
+static sheen_status predict(search *q, float *out, const sheen_lamp_list *list, sheen_err *err)
+{
+    return sheen_lamp_predict(out, list->lamps, list->n, &list->lobe, q->samples, &q->o.fit, err);
+}
+
+static sheen_status refine(search *q, sheen_lamp_list *list, int max_iterations, sheen_err *err)
+{
+    sheen_lamp_fit_options o = q->o.fit;
+    o.max_iterations = max_iterations;
+    sheen_lamp_fit_result result;
+    const sheen_status s = sheen_lamp_fit(list->lamps, list->n, &list->lobe, q->samples, NULL, &o, &result,
+                                          err);
+    list->cost = result.cost;
+    list->converged = result.converged;
+    return s;
+}
+
+// What E must fall by for n parameters.
+static double worth(const search *q, int n_parameters)
+{
+    return 0.5 * n_parameters * log((double)q->samples->count + 1);
+}
+
+// More views better than worse, by more than a change in the noise?
+static int views_agree(const search *q)
+{
+    size_t better = 0, worse = 0;
+    for (size_t v = 0; v < q->samples->n_views; v++) {
+        const double gain = q->view_cost[v] - q->view_cost_trial[v];
+        better += gain > 2;
+        worse += gain < -2;
+    }
+    return better > worse;
+}
+
+static void ban(search *q, const sheen_lamp *lamp)
+{
+    sheen_lamp_ban *b = &q->bans[q->n_bans++];
+    memcpy(b->direction_world, lamp->direction_world, sizeof b->direction_world);
+    b->cosine = cosf(3 * q->list->lobe.sigma_rad);
+}
+
+// E of the lamps there are.
+static double alone_before(const search *q)
+{
+    return cost_by_view(q->view_cost, q, q->predicted);
+}
+
+// Tries one more lamp. *state: 1 it stayed, 0 it did not, -1 there is no candidate.
+static sheen_status add_lamp(search *q, int *state, sheen_err *err)
+{
+    sheen_lamp_list trial = *q->list;
+    sheen_lamp start;
+    sheen_lamp_fit_result alone;
+    for (size_t i = 0; i < q->samples->count; i++)
+        q->trial[i] = (float)residual_at(q, q->predicted, i);
+    *state = sheen_lamp_start(&start, q->samples, q->trial, q->list->lobe.sigma_rad, q->o.threshold_lin,
+                              q->bans, q->n_bans);
+    if (*state < 0)
+        return sheen_fail_memory(err, 1e6, "spots of light");
+    if (!*state) {
+        *state = -1;
+        return SHEEN_OK;
+    }
+    sheen_lamp_fit_options o = q->o.fit;
+    o.max_iterations = 12;
+    o.free_sigma = trial.n == 0;
+    o.free_radius = trial.n > 0;
+    o.free_tail = o.free_fresnel = 0;
+    trial.lamps[trial.n++] = start;
+    sheen_status s = sheen_lamp_fit(&trial.lamps[trial.n - 1], 1, &trial.lobe, q->samples, q->predicted, &o,
+                                    &alone, err);
+    if (s)
+        return s;
+    if (alone_before(q) - alone.cost < worth(q, LAMP_PARAMETERS)) {
+        *state = 0;
+        ban(q, &start);
+        return SHEEN_OK;
+    }
+    if ((s = refine(q, &trial, 4, err)) || (s = predict(q, q->trial, &trial, err)))
+        return s;
+    const double before = cost_by_view(q->view_cost, q, q->predicted),
+                 after = cost_by_view(q->view_cost_trial, q, q->trial);
+    *state = before - after > 2 * worth(q, LAMP_PARAMETERS) && views_agree(q);
+    if (!*state) {
+        ban(q, &start);
+        return SHEEN_OK;
+    }
+    *q->list = trial;
+    memcpy(q->predicted, q->trial, q->samples->count * sizeof *q->predicted);
+    measure_scale(q);
+    return SHEEN_OK;
+}
+
+static sheen_status find_lamps(search *q, sheen_err *err)
+{
+    const size_t most = q->o.max_lamps < SHEEN_LAMP_FIT_MAX ? q->o.max_lamps : SHEEN_LAMP_FIT_MAX;
+    while (q->list->n < most && q->n_bans < MAX_BANS) {
+        int state;
+        sheen_status s = sheen_progress_step(&q->o.progress, "lamps", (int)q->list->n, (int)most, err);
+        if (s || (s = add_lamp(q, &state, err)))
+            return s;
+        if (state < 0)
+            break;
+    }
+    return SHEEN_OK;
+}
+
+static float luminance_of(const sheen_lamp *lamp)
+{
+    return 0.2126f * lamp->rgb[0] + 0.7152f * lamp->rgb[1] + 0.0722f * lamp->rgb[2];
+}
+
+// One lamp for two: their sum, mean place, and extent.
+static sheen_lamp joined(const sheen_lamp *a, const sheen_lamp *b)
+{
+    sheen_lamp out = {0};
+    const float wa = luminance_of(a), wb = luminance_of(b), share = wa / (wa + wb + 1e-20f);
+    float apart[3];
+    sheen_subf(apart, a->direction_world, b->direction_world);
+    for (int i = 0; i < 3; i++) {
+        out.direction_world[i] = share * a->direction_world[i] + (1 - share) * b->direction_world[i];
+        out.rgb[i] = a->rgb[i] + b->rgb[i];
+    }
+    sheen_normalizef(out.direction_world);
+    out.inverse_distance_per_m = share * a->inverse_distance_per_m + (1 - share) * b->inverse_distance_per_m;
+    // A disc's mean square extent along an axis is a quarter of its radius'
+    const float spread2 = share * (1 - share) * sheen_dotf(apart, apart);
+    out.radius_rad = sqrtf(share * a->radius_rad * a->radius_rad +
+                           (1 - share) * b->radius_rad * b->radius_rad + 2 * spread2);
+    return out;
+}
+
+static void remove_lamp(sheen_lamp_list *list, size_t i)
+{
+    memmove(&list->lamps[i], &list->lamps[i + 1], (list->n - i - 1) * sizeof *list->lamps);
+    list->n--;
+}
+
+// Keeps a shorter list where E rises by less than what the parameters that it saves are worth.
+static sheen_status try_shorter(search *q, sheen_lamp_list *shorter, int *kept, sheen_err *err)
+{
+    const sheen_status s = refine(q, shorter, 5, err);
+    *kept = !s && shorter->cost < q->list->cost + worth(q, LAMP_PARAMETERS);
+    if (*kept)
+        *q->list = *shorter;
+    return s;
+}
+
+static int close_together(const search *q, const sheen_lamp *a, const sheen_lamp *b)
+{
+    const float reach = 3 * q->list->lobe.sigma_rad + a->radius_rad + b->radius_rad;
+    return sheen_dotf(a->direction_world, b->direction_world) > cosf(fminf(3, reach));
+}
+
+static sheen_status join_neighbours(search *q, sheen_err *err)
+{
+    for (size_t a = 0; a < q->list->n; a++)
+        for (size_t b = a + 1; b < q->list->n; b++) {
+            int kept = 0;
+            if (!close_together(q, &q->list->lamps[a], &q->list->lamps[b]))
+                continue;
+            sheen_lamp_list shorter = *q->list;
+            shorter.lamps[a] = joined(&shorter.lamps[a], &shorter.lamps[b]);
+            remove_lamp(&shorter, b);
+            const sheen_status s = try_shorter(q, &shorter, &kept, err);
+            if (s)
+                return s;
+            b -= (size_t)kept;
+        }
+    return SHEEN_OK;
+}
+
+static sheen_status run(search *q, sheen_err *err)
+{
+    sheen_status s = predict(q, q->predicted, q->list, err);
+    if (s)
+        return s;
+    measure_scale(q);
+    if (q->list->n) {
+        if ((s = refine(q, q->list, 10, err)) || (s = predict(q, q->predicted, q->list, err)))
+            return s;
+        measure_scale(q);
+    }
+    if (q->o.find && (s = find_lamps(q, err)))
+        return s;
+    if (q->list->n) {
+        if ((s = refine(q, q->list, 25, err)) || (s = join_neighbours(q, err)) ||
+            (s = sheen_lamp_colours(q->list->lamps, q->list->n, &q->list->lobe, q->samples, &q->o.fit, err)))
+            return s;
+    }
+    if ((s = predict(q, q->predicted, q->list, err)))
+        return s;
+    measure_scale(q);
+    q->list->cost = cost_by_view(q->view_cost, q, q->predicted);
+    memset(q->trial, 0, q->samples->count * sizeof *q->trial);
+    q->list->dark_cost = cost_by_view(q->view_cost_trial, q, q->trial);
+    return SHEEN_OK;
+}
+
+sheen_status sheen_lamp_list_fit(sheen_lamp_list *list, const sheen_lamp_samples *samples,
+                                 const sheen_lamp_list_options *options, sheen_err *err)
+{
+    search q = {.list = list, .samples = samples, .o = *options};
+    const size_t n = samples->count + 1;
+    q.predicted = calloc(n, sizeof *q.predicted);
+    q.trial = calloc(n, sizeof *q.trial);
+    q.residual = calloc(n, sizeof *q.residual);
+    q.scratch = calloc(n, sizeof *q.scratch);
+    q.view_cost = calloc(samples->n_views + 1, sizeof *q.view_cost);
+    q.view_cost_trial = calloc(samples->n_views + 1, sizeof *q.view_cost_trial);
+    sheen_status s = q.predicted && q.trial && q.residual && q.scratch && q.view_cost && q.view_cost_trial
+                         ? run(&q, err)
+                         : sheen_fail_memory(err, 24.0 * (double)n, "samples");
+    free(q.predicted);
+    free(q.trial);
+    free(q.residual);
+    free(q.scratch);
+    free(q.view_cost);
+    free(q.view_cost_trial);
+    return s;
+}
