@@ -33,13 +33,16 @@ static sheen_status contrast_of(double *contrast, const sheen_cli_view *v, const
                                 sheen_err *err)
 {
     sheen_camera cam;
-    sheen_layers layers;
+    sheen_layers layers = {0};
+    const double look[3] = {look_deg[0], look_deg[1], 0};
     const int size_px[2] = {WIDTH_PX, HEIGHT_PX};
     sheen_status s = sheen_cli_view_pinhole(&cam, v, size_px, err);
     if (!s)
-        s = sheen_cli_view_look(&layers, v, &cam, look_deg[0], look_deg[1], 0, err);
-    if (s)
+        s = sheen_cli_view_look(&layers, v, &cam, look, err);
+    if (s) {
+        sheen_layers_release(&layers);
         return s;
+    }
     double sum = 0, sum2 = 0, n = 0;
     for (size_t i = 0; i < (size_t)WIDTH_PX * HEIGHT_PX; i++) {
         if (!(layers.coverage.data[i] > 0.5f))

@@ -66,13 +66,13 @@ static sheen_status write_reference(const char *path, const sheen_cli_view *v, c
                                     sheen_err *err)
 {
     sheen_camera cam;
-    sheen_layers layers;
+    sheen_layers layers = {0};
+    const double look[3] = {look_deg[0], look_deg[1], 0};
     sheen_status s = sheen_cli_view_pinhole(&cam, v, reference_size_px, err);
     if (!s)
-        s = sheen_cli_view_look(&layers, v, &cam, look_deg[0], look_deg[1], 0, err);
-    if (s)
-        return s;
-    s = sheen_png_write_srgb(path, &layers.composite, err);
+        s = sheen_cli_view_look(&layers, v, &cam, look, err);
+    if (!s)
+        s = sheen_png_write_srgb(path, &layers.composite, err);
     sheen_layers_release(&layers);
     return s;
 }

@@ -7,6 +7,7 @@
 
 #include "base/pose3.h"
 #include "cli/stages.h"
+#include "fit/fill_holes.h"
 #include "render/orbit.h"
 
 static const double rad_per_deg = 3.14159265358979323846 / 180;
@@ -87,7 +88,7 @@ sheen_status sheen_cli_view_change(sheen_cli_view *v, const sheen_cli_changes *c
     for (int k = 0; k < 3; k++)
         m->light_rgb[k] *= c->tint_rgb[k];
     sheen_drawing_free(&v->drawing); // keeps what it made of the model before
-    const sheen_status st = c->fill_holes ? sheen_texture_fill(&m->texture, &m->mesh, err) : SHEEN_OK;
+    const sheen_status st = c->fill_holes ? sheen_fill_holes(&m->texture, &m->mesh, err) : SHEEN_OK;
     return st ? st : sheen_drawing_new(&v->drawing, m, err);
 }
 

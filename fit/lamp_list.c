@@ -11,6 +11,7 @@
 #include "fit/robust.h"
 
 enum { MAX_BANS = 5, LAMP_PARAMETERS = 5 };
+static const float lowest_sine = -0.05f, highest_nearness = 0.7f;
 static const double scale_floor = 0.0015, scale_ceiling = 0.1;
 
 typedef struct search {
@@ -101,6 +102,15 @@ static double alone_before(const search *q)
     return cost_by_view(q->view_cost, q, q->predicted);
 }
 
+// Still where it was found, and above the horizon? A lamp that wandered off explains something else.
+static int stayed(const sheen_lamp *lamp, const sheen_lamp *start, const search *q)
+{
+    const float reach = 0.1f + 6 * q->list->lobe.sigma_rad + lamp->radius_rad;
+    return sheen_dotf(lamp->direction_world, start->direction_world) > cosf(fminf(3, reach)) &&
+           lamp->direction_world[2] > lowest_sine &&
+           lamp->inverse_distance_per_m * q->samples->radius_m < highest_nearness;
+}
+
 // Tries one more lamp. *state: 1 it stayed, 0 it did not, -1 there is no candidate.
 static sheen_status add_lamp(search *q, int *state, sheen_err *err)
 {
@@ -127,12 +137,13 @@ static sheen_status add_lamp(search *q, int *state, sheen_err *err)
                                     &alone, err);
     if (s)
         return s;
-    if (alone_before(q) - alone.cost < worth(q, LAMP_PARAMETERS)) {
+    if (alone_before(q) - alone.cost < worth(q, LAMP_PARAMETERS) ||
+        !stayed(&trial.lamps[trial.n - 1], &start, q)) {
         *state = 0;
         ban(q, &start);
         return SHEEN_OK;
     }
-    if ((s = refine(q, &trial, 4, err)) || (s = predict(q, q->trial, &trial, err)))
+    if ((s = refine(q, &trial, 3, err)) || (s = predict(q, q->trial, &trial, err)))
         return s;
     const double before = cost_by_view(q->view_cost, q, q->predicted),
                  after = cost_by_view(q->view_cost_trial, q, q->trial);
@@ -202,6 +213,27 @@ static sheen_status try_shorter(search *q, sheen_lamp_list *shorter, int *kept, 
     return s;
 }
 
+// Lamps that wandered below the horizon or into the object, and those that E hardly needs, go.
+static sheen_status prune(search *q, sheen_err *err)
+{
+    for (size_t i = 0; i < q->list->n;) {
+        const sheen_lamp *lamp = &q->list->lamps[i];
+        sheen_lamp_list shorter = *q->list;
+        remove_lamp(&shorter, i);
+        sheen_status s = predict(q, q->trial, &shorter, err);
+        if (s || (s = predict(q, q->predicted, q->list, err)))
+            return s;
+        const double loss = cost_by_view(q->view_cost_trial, q, q->trial) -
+                            cost_by_view(q->view_cost, q, q->predicted);
+        if (loss < worth(q, LAMP_PARAMETERS) || lamp->direction_world[2] < lowest_sine ||
+            lamp->inverse_distance_per_m * q->samples->radius_m > highest_nearness)
+            *q->list = shorter;
+        else
+            i++;
+    }
+    return SHEEN_OK;
+}
+
 static int close_together(const search *q, const sheen_lamp *a, const sheen_lamp *b)
 {
     const float reach = 3 * q->list->lobe.sigma_rad + a->radius_rad + b->radius_rad;
@@ -226,6 +258,47 @@ static sheen_status join_neighbours(search *q, sheen_err *err)
     return SHEEN_OK;
 }
 
+// The four quarters of a wide lamp's disc.
+static void quarter(sheen_lamp_list *list, size_t i)
+{
+    const sheen_lamp whole = list->lamps[i];
+    const float up[3] = {0, 0, 1};
+    float a[3], b[3];
+    sheen_crossf(a, up, whole.direction_world);
+    if (!(sheen_normalizef(a) > 0))
+        a[0] = 1;
+    sheen_crossf(b, whole.direction_world, a);
+    for (int k = 0; k < 4; k++) {
+        sheen_lamp *part = k ? &list->lamps[list->n++] : &list->lamps[i];
+        *part = whole;
+        for (int c = 0; c < 3; c++) {
+            part->direction_world[c] += 0.5f * whole.radius_rad *
+                                        ((k & 1 ? a[c] : -a[c]) + (k & 2 ? b[c] : -b[c]));
+            part->rgb[c] = 0.25f * whole.rgb[c];
+        }
+        sheen_normalizef(part->direction_world);
+        part->radius_rad = 0.5f * whole.radius_rad;
+    }
+}
+
+// A wide lamp need not be round: where four discs explain it better by what their parameters are worth, they stay.
+static sheen_status split_wide_lamps(search *q, sheen_err *err)
+{
+    const size_t n = q->list->n;
+    for (size_t i = 0; i < n; i++) {
+        sheen_lamp_list longer = *q->list;
+        if (longer.lamps[i].radius_rad < 5 * longer.lobe.sigma_rad || longer.n + 3 > SHEEN_LAMP_FIT_MAX)
+            continue;
+        quarter(&longer, i);
+        const sheen_status s = refine(q, &longer, 6, err);
+        if (s)
+            return s;
+        if (longer.cost < q->list->cost - worth(q, 3 * LAMP_PARAMETERS))
+            *q->list = longer;
+    }
+    return SHEEN_OK;
+}
+
 static sheen_status run(search *q, sheen_err *err)
 {
     sheen_status s = predict(q, q->predicted, q->list, err);
@@ -233,14 +306,15 @@ static sheen_status run(search *q, sheen_err *err)
         return s;
     measure_scale(q);
     if (q->list->n) {
-        if ((s = refine(q, q->list, 10, err)) || (s = predict(q, q->predicted, q->list, err)))
+        if ((s = refine(q, q->list, 5, err)) || (s = predict(q, q->predicted, q->list, err)))
             return s;
         measure_scale(q);
     }
     if (q->o.find && (s = find_lamps(q, err)))
         return s;
     if (q->list->n) {
-        if ((s = refine(q, q->list, 25, err)) || (s = join_neighbours(q, err)) ||
+        if ((s = refine(q, q->list, q->o.last ? 25 : 8, err)) || (s = join_neighbours(q, err)) ||
+            (s = split_wide_lamps(q, err)) || (s = prune(q, err)) ||
             (s = sheen_lamp_colours(q->list->lamps, q->list->n, &q->list->lobe, q->samples, &q->o.fit, err)))
             return s;
     }

@@ -20,6 +20,7 @@ typedef struct sheen_lamp_list_options {
     float threshold_lin;
     size_t max_lamps;
     int find; // look for more lamps; else those there are, are refined
+    int last; // refine until nothing changes
     sheen_lamp_fit_options fit;
     sheen_progress progress;
 } sheen_lamp_list_options;

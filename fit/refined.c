@@ -7,9 +7,9 @@
 
 #include "fit/board_picture.h"
 #include "fit/diffuse.h"
+#include "fit/fill_holes.h"
 #include "fit/refined_state.h"
 
-enum { ROUNDS = 3 };
 // An extension stays where what it predicts is wrong by this share at most of what is without it.
 static const double worth_keeping = 0.99;
 
@@ -42,10 +42,10 @@ static sheen_status improve(sheen_refined_state *r, sheen_err *err)
     m->n_hemisphere = r->f->geodesic.n_nodes;
     sheen_progress_timed(&r->o.progress, "picture of the board", &watch);
     if (m->moving == SHEEN_MOVING_OBJECT)
-        return sheen_refined_turned(r, ROUNDS, &watch, err);
+        return sheen_refined_turned(r, SHEEN_REFINED_ROUNDS, &watch, err);
     if ((s = sheen_refined_light_views(r, err))) // no lamps yet: what is mirrored
         return s;
-    for (r->round = 0; r->round < ROUNDS; r->round++) {
+    for (r->round = 0; r->round < SHEEN_REFINED_ROUNDS; r->round++) {
         // The first residuals are those of the minimum, which holds what all views mirror
         if ((r->round && (s = sheen_refined_residuals(r, err))) || (s = sheen_refined_lamps(r, err)))
             return s;
@@ -58,7 +58,7 @@ static sheen_status improve(sheen_refined_state *r, sheen_err *err)
         sheen_diffuse_fit(&m->texture, &m->surroundings, r->views, r->lights, r->f->n_views, r->o.n_threads);
         sheen_progress_timed(&r->o.progress, "texture and surroundings", &watch);
     }
-    return SHEEN_OK;
+    return sheen_fill_holes(&m->texture, r->mesh, err);
 }
 
 sheen_status sheen_refined_fit(sheen_paper_fit *f, const sheen_mesh *mesh, sheen_photos *photos,

@@ -5,7 +5,7 @@
 #include "fit/refined_state.h"
 #include "fit/start_sigma.h"
 
-enum { MAX_LIT = 12000, MAX_DARK = 6000 };
+enum { MAX_LIT = 8000, MAX_DARK = 4000 };
 
 static int is_hidden(void *self, const sheen_lamp_sample *s, const float l_world[3])
 {
@@ -73,6 +73,7 @@ sheen_status sheen_refined_lamps(sheen_refined_state *r, sheen_err *err)
     const sheen_lamp_list_options o = {.threshold_lin = (float)r->f->threshold_lin,
                                        .max_lamps = 24,
                                        .find = 1,
+                                       .last = r->round == SHEEN_REFINED_ROUNDS - 1,
                                        .fit = {.free_distance = 1,
                                                .free_radius = 1,
                                                .free_sigma = 1,

@@ -8,6 +8,8 @@
 #include "fit/paper.h"
 #include "fit/view_light.h"
 
+enum { SHEEN_REFINED_ROUNDS = 3 };
+
 typedef struct sheen_refined_state {
     sheen_paper_fit *f;     // model, gbuffers, residuals, hemispheres: improved in place
     const sheen_mesh *mesh; // lent to f->model for the time of the fit

@@ -98,16 +98,15 @@ static inline void cell_at(const sheen_texture *t, const sheen_hit *hit, size_t 
 // Mean of three texels, those that were never seen left out.
 static float mean_of_seen(const sheen_texture *t, const size_t texel[3], const float weight[3], float rgb[3])
 {
-    float sum[3] = {0, 0, 0}, seen = 0;
+    float sum[3] = {0, 0, 0}, filled[3] = {0, 0, 0}, seen = 0;
     for (int c = 0; c < 3; c++) {
-        if (!t->n_views[texel[c]] || !(weight[c] > 0))
-            continue;
-        seen += weight[c];
+        const int is_seen = t->n_views[texel[c]] && weight[c] > 0;
+        seen += is_seen ? weight[c] : 0;
         for (int k = 0; k < 3; k++)
-            sum[k] += weight[c] * t->rgb[3 * texel[c] + (size_t)k];
+            (is_seen ? sum : filled)[k] += weight[c] * t->rgb[3 * texel[c] + (size_t)k];
     }
     for (int k = 0; k < 3; k++)
-        rgb[k] = seen > 0 ? sum[k] / seen : 0;
+        rgb[k] = seen > 0 ? sum[k] / seen : filled[k];
     return seen < 1 ? seen : 1;
 }
 

@@ -50,17 +50,13 @@ void sheen_texture_lattice(const sheen_mesh *mesh, size_t triangle, int texels_p
                            float *n_obj);
 
 // Linear interpolation on the lattice at a hit; never-seen texels have no part in it. Returns the weight of
-// the seen ones, 0..1; 0: a hole, rgb is black.
+// the seen ones, 0..1; 0: a hole, rgb is what it was filled with (black where it was not).
 float sheen_texture_sample(const sheen_texture *t, const sheen_hit *hit, float rgb[3]);
 
 // The same surface with another number of texels an edge: means of the old texels about each new one; a new texel
 // is unseen where all of those are. Seams stay closed. EARG, ENOMEM.
 sheen_status sheen_texture_resample(sheen_texture *out, const sheen_texture *t, int texels_per_edge,
                                     sheen_err *err);
-
-// Gives never-seen texels a colour continued over the surface from seen ones, and marks them as seen once: for
-// a picture without holes, not for measuring. A part of the mesh of which nothing was seen becomes black. ENOMEM.
-sheen_status sheen_texture_fill(sheen_texture *t, const sheen_mesh *mesh, sheen_err *err);
 
 // Atlas as a picture: RGB and A = n_views / 255. Size for n_triangles and T by the first function.
 void sheen_texture_atlas_size(size_t n_triangles, int texels_per_edge, int *columns_blocks, int *width_px,

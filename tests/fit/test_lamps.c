@@ -87,6 +87,7 @@ static void find(sheen_lamp_list *list, const stage *st, const sheen_lamp_sample
     const sheen_lamp_list_options o = {.threshold_lin = 0.04f,
                                        .max_lamps = 24,
                                        .find = 1,
+                                       .last = 1,
                                        .fit = {.free_distance = 1,
                                                .free_radius = 1,
                                                .free_sigma = 1,

@@ -156,7 +156,7 @@ static void from_frames_to_scores(void **state)
     assert_true(sheen_fit_is_current(&s));
     sheen_fit_summary_release(&f);
     check_surroundings(&s);
-    check_scores(&s, 8, 6.5);
+    check_scores(&s, 12, 8);
     sheen_session_release(&s);
 }
 

@@ -203,58 +203,12 @@ static void refuses_what_does_not_fit(void **state)
     sheen_image_release(&atlas);
 }
 
-// A linear colouring with a gap is continued from around it; what was seen stays as it is.
-static void holes_are_filled_from_around(void **state)
-{
-    (void)state;
-    static const float centre[3] = {0, 0, 0};
-    sheen_mesh mesh;
-    sheen_texture t, whole;
-    sheen_err err = {0};
-    test_sphere(&mesh, 12, centre, 0.1f);
-    paint(&t, &mesh, 5);
-    paint(&whole, &mesh, 5);
-    const size_t n = sheen_texels_per_triangle(5);
-    float p[3 * 15];
-    size_t n_gap = 0;
-    for (size_t f = 0; f < mesh.n_triangles; f++) {
-        sheen_texture_lattice(&mesh, f, 5, p, NULL);
-        for (size_t k = 0; k < n; k++)
-            if (p[3 * k + 2] > 0.085f) { // a cap
-                t.n_views[f * n + k] = 0;
-                memset(t.rgb + 3 * (f * n + k), 0, 3 * sizeof *t.rgb);
-                n_gap++;
-            }
-    }
-    assert_true(n_gap > 500);
-    assert_ok(sheen_texture_fill(&t, &mesh, &err), err);
-    for (size_t i = 0; i < mesh.n_triangles * n; i++) {
-        assert_true(t.n_views[i] > 0);
-        for (int k = 0; k < 3; k++) // the colours of the whole texture change by up to 0.2 over the cap
-            assert_close(t.rgb[3 * i + (size_t)k], whole.rgb[3 * i + (size_t)k], 0.2);
-        if (whole.n_views[i] == t.n_views[i] && t.n_views[i] != 1)
-            for (int k = 0; k < 3; k++)
-                assert_close(t.rgb[3 * i + (size_t)k], whole.rgb[3 * i + (size_t)k], 0);
-    }
-    memset(t.n_views, 0, mesh.n_triangles * n);
-    assert_ok(sheen_texture_fill(&t, &mesh, &err), err); // nothing to continue: black
-    for (size_t i = 0; i < 3 * mesh.n_triangles * n; i++)
-        assert_close(t.rgb[i], 0, 0);
-    sheen_texture_release(&t);
-    sheen_texture_release(&whole);
-    sheen_mesh_release(&mesh);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(interpolation_is_linear),
-        cmocka_unit_test(lattice_is_in_the_order_of_texels),
-        cmocka_unit_test(no_seam_across_edges),
-        cmocka_unit_test(unseen_texels_have_no_part),
-        cmocka_unit_test(atlas_round_trip),
-        cmocka_unit_test(refuses_what_does_not_fit),
-        cmocka_unit_test(holes_are_filled_from_around),
+        cmocka_unit_test(interpolation_is_linear), cmocka_unit_test(lattice_is_in_the_order_of_texels),
+        cmocka_unit_test(no_seam_across_edges),    cmocka_unit_test(unseen_texels_have_no_part),
+        cmocka_unit_test(atlas_round_trip),        cmocka_unit_test(refuses_what_does_not_fit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
