@@ -7,12 +7,13 @@ set_control() { # NODE CONTROL
     v4l2-ctl -d "$1" -c "$2"
 }
 
-# A capture of 40 frames during which something happens.
+# A capture of 40 frames during which something happens. A camera that goes for good is not waited for.
+patience=300
 during() { # SESSION NODE COMMAND...
     session=$1 node=$2
     shift 2
     rm -rf "$session"
-    sheen capture "$session" --device "v4l2:$node?lock=off&$size" --count 40 --json >out 2>err &
+    sheen capture "$session" --device "v4l2:$node?lock=off&$size" --count 40 --patience $patience --json >out 2>err &
     capture=$!
     wait_for 10 test -f "$session/frames/000004.json" || return 1
     "$@"
@@ -83,6 +84,7 @@ set_control /dev/video0 wrap_timestamp=0
 unbind() {
     echo vivid.0 >/sys/bus/platform/drivers/vivid/unbind
 }
+patience=0
 check "the driver is taken away" during j.session /dev/video0 unbind
 check "which is said" grep -q 'gone\|no ./dev/video' err
 echo vivid.0 >/sys/bus/platform/drivers/vivid/bind
