@@ -49,8 +49,10 @@ compliance)
             "$with_camera" $session "node=42;rate=60" v4l2-compliance -d /dev/video42 $arguments >log 2>&1
             code=$?
             tail -n 1 log | sed "s/^/$format: /"
-            if [ $code != 0 ] || ! tail -n 1 log | grep -q 'Failed: 0, Warnings: 0$'; then
-                grep -E 'fail:|warn:|FAIL' log
+            # A busy machine reads too late, and numbers lack then as with any camera.
+            grep -E 'fail:|warn:|FAIL' log | grep -v 'warn: .*got sequence number' >against
+            if [ $code != 0 ] || [ -s against ] || ! tail -n 1 log | grep -q 'Failed: 0, '; then
+                cat against
                 complain "v4l2-compliance $arguments refuses $format"
             fi
         done
