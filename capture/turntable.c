@@ -79,10 +79,8 @@ sheen_status sheen_table_turn_to(sheen_table *table, double angle_deg, sheen_err
     assert(isfinite(angle_deg));
     note_loss(table);
     if (!table->known)
-        return sheen_fail(
-            err, SHEEN_EDATA,
-            "the turntable's angle is not known: let it be seen by the camera with the tags, or declare "
-            "where it stands with 'sheen turntable --zero'");
+        return sheen_fail(err, SHEEN_EDATA,
+                          "the turntable's angle is not known: the camera must see the tags first");
     const sheen_status s = table->kind->turn_to(table->self, angle_deg - table->offset_deg, err);
     note_loss(table);
     return s;

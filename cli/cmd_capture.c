@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // cmd_capture.c - sheen capture: frames from a source into a session.
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "capture/record.h"
+#include "capture/turn_steps.h"
 #include "cli/choose.h"
 #include "cli/cli.h"
 #include "cli/commands.h"
 #include "cli/hook.h"
 #include "cli/shutter.h"
+#include "cli/table_arg.h"
+#include "cli/table_eye.h"
 #include "cli/white.h"
 
 typedef struct capture_args {
-    const char *device, *role, *moving, *hook;
-    int count;
+    const char *device, *role, *moving, *hook, *turntable, *turntable_file;
+    int count, n_steps, n_rounds;
     bool choose; // --auto
     double spread_deg, max_blur_px, max_motion_px;
     sheen_record_options o;
@@ -66,6 +70,13 @@ static sheen_status parse(sheen_cli *cli, capture_args *a, sheen_err *err)
         {"patience", 0, SHEEN_OPTION_NUMBER, &a->o.patience_s, "S",
          "how long to wait for a camera that is unplugged or hangs to\nbe plugged in again (default 300)", 0,
          86400},
+        {"turntable", 0, SHEEN_OPTION_TEXT, &a->turntable, "DEV",
+         "turn this table from frame to frame: a serial line, auto,\nor manual: (docs/turntable.md)", 0, 0},
+        {"steps", 0, SHEEN_OPTION_INT, &a->n_steps, "N", "frames a turn (default: 24)", 3, 3600},
+        {"rounds", 0, SHEEN_OPTION_INT, &a->n_rounds, "K",
+         "turns, each with the camera at another height (default: 1)", 1, 9},
+        {"turntable-file", 0, SHEEN_OPTION_TEXT, &a->turntable_file, "FILE",
+         "what is known of it (default:\n~/.config/sheen/turntable.json)", 0, 0},
         {"role", 0, SHEEN_OPTION_TEXT, &a->role, "ROLE",
          "record them as input, calibration or test\n(default: what the source says)", 0, 0},
         {"moving", 0, SHEEN_OPTION_TEXT, &a->moving, "WHAT",
@@ -76,6 +87,8 @@ static sheen_status parse(sheen_cli *cli, capture_args *a, sheen_err *err)
     a->spread_deg = 15;
     a->max_motion_px = 0.5;
     a->max_blur_px = 3;
+    a->n_steps = 24;
+    a->n_rounds = 1;
     sheen_status s = sheen_cli_parse(cli, options, 1, 1, err);
     if (s || cli->wants_help)
         return s;
@@ -85,6 +98,15 @@ static sheen_status parse(sheen_cli *cli, capture_args *a, sheen_err *err)
         s = sheen_role_from_name(&a->o.role, a->role, err);
     if (!s && a->moving)
         s = sheen_moving_from_name(&a->moved, a->moving, err);
+    if (!s && a->turntable && (a->count || a->moving))
+        return sheen_cli_usage(cli, err,
+                               "with --turntable the frames are counted by --steps and --rounds, and the "
+                               "object moves: leave --count and --moving out");
+    if (!s && a->turntable && (a->choose || a->hook))
+        return sheen_cli_usage(cli, err, "a turntable decides itself when frames are taken: leave %s out",
+                               a->choose ? "--auto" : "--hook");
+    if (a->turntable)
+        a->moved = SHEEN_MOVING_OBJECT;
     a->o.set_role = a->role != NULL;
     a->o.count = (size_t)a->count;
     return sheen_cli_option_status(cli, s);
@@ -180,6 +202,8 @@ static sheen_status begin_choosing(capture_job *job, capture_args *a, sheen_err 
 static sheen_status set_policy(capture_job *job, capture_args *a, const sheen_source *src, sheen_err *err)
 {
     const bool live = sheen_source_is_live(src);
+    if (a->turntable) // it has set its own
+        return SHEEN_OK;
     a->by_hand = live && (a->choose || !a->o.count);
     a->o.policy.self = job;
     a->o.policy.stored = on_stored;
@@ -224,6 +248,74 @@ static sheen_status record(sheen_cli *cli, capture_args *a, sheen_session *s, sh
     return st;
 }
 
+// ---- by turntable
+
+typedef struct turning {
+    sheen_cli *cli;
+    sheen_cli_eye eye;
+} turning;
+
+static sheen_status see(void *self, const sheen_frame *frame, const sheen_frame_info *reference,
+                        double *angle_deg, sheen_err *err)
+{
+    return sheen_cli_eye_see(&((turning *)self)->eye, frame, reference, angle_deg, err);
+}
+
+static sheen_status next_round(void *self, int i_round, sheen_err *err)
+{
+    const turning *t = self;
+    char line[16];
+    sheen_cli_clear_bar(t->cli);
+    fprintf(stderr, "round %d: put the camera at its next height, then press Enter ", i_round);
+    return fgets(line, sizeof line, stdin) && !sheen_cli_interrupted()
+               ? SHEEN_OK
+               : sheen_fail(err, SHEEN_ECANCEL, "round %d was not begun", i_round);
+}
+
+// Turns and records what is missing of the rounds.
+static sheen_status record_turns(sheen_cli *cli, capture_args *a, sheen_session *s, sheen_source *src,
+                                 sheen_record_report *r, sheen_err *err)
+{
+    turning t = {.cli = cli};
+    sheen_table *table = NULL;
+    sheen_table_config config;
+    sheen_turn_steps steps = {0};
+    const bool by_hand = !strncmp(a->turntable, "manual:", 7);
+    sheen_status st = sheen_cli_eye_init(&t.eye, s, err);
+    const sheen_turn_options o = {.n_steps = a->n_steps,
+                                  .n_rounds = a->n_rounds,
+                                  .see = t.eye.detector ? see : NULL,
+                                  .next_round = next_round,
+                                  .self = &t,
+                                  .tolerance_deg = by_hand ? 180.0 / a->n_steps : 0};
+    if (!st && s->moving != SHEEN_MOVING_OBJECT)
+        st = sheen_fail(err, SHEEN_EARG,
+                        "'%s' is a session of a camera that moves: a turntable wants one of its own",
+                        s->path);
+    if (!st && !sheen_source_is_live(src))
+        st = sheen_fail(err, SHEEN_EARG, "a turntable wants a camera: '%s' is none", a->device);
+    if (!st && !t.eye.detector)
+        sheen_cli_warn(
+            cli,
+            "'%s' has no camera model or no board: the angles are those commanded, and a broken turn "
+            "cannot be gone on with",
+            s->path);
+    a->o.count = sheen_turn_steps_missing(s, &o);
+    if (!st && !a->o.count)
+        sheen_cli_say(cli, "all %d frames are there", a->n_steps * a->n_rounds);
+    if (!st && a->o.count &&
+        !(st = sheen_cli_table_open(&table, &config, cli, a->turntable, a->turntable_file, err)) &&
+        !(st = sheen_turn_steps_init(&steps, s, table, &o, err))) {
+        a->o.policy = sheen_turn_steps_policy(&steps);
+        sheen_cli_say(cli, "Ctrl-C (or s and Enter) stops the turntable at once");
+        st = record(cli, a, s, src, r, err);
+    }
+    sheen_turn_steps_release(&steps);
+    sheen_table_close(&table);
+    sheen_cli_eye_release(&t.eye);
+    return st;
+}
+
 static sheen_status run(sheen_cli *cli, sheen_err *err)
 {
     capture_args a = {0};
@@ -237,7 +329,8 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
     if (!st)
         st = sheen_cli_session_create(&s, cli->args[0], a.moved, err);
     if (!st)
-        st = record(cli, &a, &s.session, src, &r, err);
+        st = a.turntable ? record_turns(cli, &a, &s.session, src, &r, err)
+                         : record(cli, &a, &s.session, src, &r, err);
     sheen_cli_clear_bar(cli);
     if (st && r.n_recorded)
         sheen_cli_warn(cli, "%zu new frame%s recorded before that; the same command goes on from there",
@@ -262,6 +355,7 @@ const sheen_command sheen_cmd_capture = {
         "back with each frame; docs/capture.md says how, and what a refusal means.\n",
     .example = "  sheen capture penguin.session --device v4l2:/dev/video0 --count 12\n"
                "  sheen capture penguin.session --device v4l2:/dev/video0 --auto --spread 15\n"
+               "  sheen capture penguin.session --device v4l2:/dev/video0 --turntable auto --steps 24\n"
                "  sheen capture penguin.session --device replay:recorded.session\n",
     .run = run,
 };

@@ -10,6 +10,7 @@ const sheen_command *const sheen_commands[] = {
     // clang-format off
     &sheen_cmd_board,
     &sheen_cmd_devices,
+    &sheen_cmd_turntable,
     &sheen_cmd_capture,
     &sheen_cmd_import,
     &sheen_cmd_calibrate,

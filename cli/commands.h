@@ -18,5 +18,6 @@ extern const sheen_command sheen_cmd_render;
 extern const sheen_command sheen_cmd_eval;
 extern const sheen_command sheen_cmd_export;
 extern const sheen_command sheen_cmd_run;
+extern const sheen_command sheen_cmd_turntable;
 
 #endif

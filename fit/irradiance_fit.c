@@ -82,7 +82,7 @@ static int compare(const void *a, const void *b)
 // Median over the samples of the luminance that the albedo would have.
 static double middle(const sheen_lit_sample *s, double E[][3], const double *w, size_t n)
 {
-    double ratio[MAX_SAMPLES];
+    double ratio[MAX_SAMPLES] = {0};
     size_t k = 0;
     for (size_t i = 0; i < n; i++)
         if (w[i] > 0 && luminance(E[i]) > 0.02)

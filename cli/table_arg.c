@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// table_arg.c - opens a turntable for a command.
+#include "cli/table_arg.h"
+
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+sheen_status sheen_cli_table_path(char path[SHEEN_PATH_MAX], const char *given, sheen_err *err)
+{
+    const char *config = getenv("XDG_CONFIG_HOME"), *home = getenv("HOME");
+    if (given)
+        return snprintf(path, SHEEN_PATH_MAX, "%s", given) < SHEEN_PATH_MAX
+                   ? SHEEN_OK
+                   : sheen_fail(err, SHEEN_EARG, "the path '%.60s...' is too long", given);
+    if (config && *config)
+        return sheen_path_join(path, config, "sheen/turntable.json", err);
+    return sheen_path_join(path, home && *home ? home : ".", ".config/sheen/turntable.json", err);
+}
+
+// True where the person pressed s and Enter: the emergency stop of a keyboard.
+static bool stop_pressed(void)
+{
+    struct pollfd input = {.fd = STDIN_FILENO, .events = POLLIN};
+    char c;
+    return isatty(STDIN_FILENO) && poll(&input, 1, 0) > 0 && read(STDIN_FILENO, &c, 1) == 1 && c == 's';
+}
+
+static bool go_on(void *self)
+{
+    (void)self;
+    return !sheen_cli_interrupted() && !stop_pressed();
+}
+
+static sheen_status turn_by_hand(void *self, double delta_deg, double *position_deg, sheen_err *err)
+{
+    sheen_cli *cli = self;
+    char line[16];
+    sheen_cli_clear_bar(cli);
+    fprintf(stderr, "turn the table by %.1f degrees (counter-clockwise seen from above), then press Enter ",
+            delta_deg);
+    if (!fgets(line, sizeof line, stdin) || sheen_cli_interrupted())
+        return sheen_fail(err, SHEEN_ECANCEL, "nobody turned the table");
+    *position_deg += delta_deg; // the camera sees what it became
+    return SHEEN_OK;
+}
+
+static sheen_status load(sheen_table_config *config, const char *file, sheen_err *err)
+{
+    char path[SHEEN_PATH_MAX];
+    sheen_table_config_init(config);
+    const sheen_status s = sheen_cli_table_path(path, file, err);
+    return !s && (file || sheen_file_exists(path)) ? sheen_table_config_load(config, path, err) : s;
+}
+
+static sheen_status open_with(sheen_table **table, const sheen_table_config *config, sheen_cli *cli,
+                              const char *device, sheen_err *err)
+{
+    const sheen_table_options o = {
+        .config = *config, .go_on = go_on, .turn_by_hand = turn_by_hand, .self = cli};
+    return sheen_table_open(table, device, &o, err);
+}
+
+sheen_status sheen_cli_table_open(sheen_table **table, sheen_table_config *config, sheen_cli *cli,
+                                  const char *device, const char *file, sheen_err *err)
+{
+    const sheen_status s = load(config, file, err);
+    return s ? s : open_with(table, config, cli, device, err);
+}
+
+sheen_status sheen_cli_table_open_plain(sheen_table **table, sheen_table_config *config, sheen_cli *cli,
+                                        const char *device, const char *file, sheen_err *err)
+{
+    const sheen_status s = load(config, file, err);
+    config->direction = 1;
+    config->backlash_deg = 0;
+    return s ? s : open_with(table, config, cli, device, err);
+}
