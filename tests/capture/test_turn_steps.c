@@ -144,7 +144,7 @@ static void build(station *st, const test_scratch *scratch, const char *name)
     st->to.config.speed_deg_s = 2000;
     st->to.greeting_ms = 30;
     st->to.poll_ms = 3;
-    st->to.patience_ms = 1000;
+    st->to.patience_ms = 6000;
     st->to.go_on = go_on;
     st->to.self = st->o.self = st;
     test_scratch_file(path, scratch, name);

@@ -40,7 +40,7 @@ static void plug(station *s)
     s->options.self = s;
     s->options.greeting_ms = 60;
     s->options.poll_ms = 5;
-    s->options.patience_ms = 1000;
+    s->options.patience_ms = 2000;
     s->table = NULL;
 }
 

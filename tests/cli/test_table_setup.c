@@ -40,7 +40,7 @@ static sheen_status measure(sheen_cli_setup_result *out, double true_deg_per_uni
 {
     station s = {.seed = 11, .tilt_rad = 0.02};
     sheen_table *table;
-    sheen_table_options o = {.greeting_ms = 30, .poll_ms = 3, .patience_ms = 1000};
+    sheen_table_options o = {.greeting_ms = 30, .poll_ms = 3, .patience_ms = 6000};
     sheen_table_config_init(&o.config);
     o.config.degrees_per_unit = typed;
     o.config.speed_deg_s = 3000;
