@@ -45,6 +45,8 @@ static sheen_status parse(sheen_cli *cli, sheen_export_args *a, sheen_err *err)
          "a page's texels a triangle's edge (default: all)", SHEEN_TEXTURE_MIN_EDGE, SHEEN_TEXTURE_MAX_EDGE},
         {"quantizer", 0, SHEEN_OPTION_INT, &a->quantizer, "N",
          "of a page's texture, 0 (finest) to 63, whatever the\nsize becomes", 0, 63},
+        {"photographs", 0, SHEEN_OPTION_INT, &a->n_photographs, "N",
+         "a page: put N photographs into it, to compare with", 0, 64},
         {"lights", 0, SHEEN_OPTION_INT, &a->n_lights, "N",
          "glTF: put the N strongest lights into the file, too", 0, 16},
         {"max-loss", 0, SHEEN_OPTION_NUMBER, &a->max_loss_db, "DB",

@@ -20,6 +20,7 @@ const sheen_command *const sheen_commands[] = {
     &sheen_cmd_render,
     &sheen_cmd_eval,
     &sheen_cmd_export,
+    &sheen_cmd_view,
     &sheen_cmd_run,
     &sheen_cmd_doctor,
     NULL,

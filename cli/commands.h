@@ -17,6 +17,7 @@ extern const sheen_command sheen_cmd_fit;
 extern const sheen_command sheen_cmd_render;
 extern const sheen_command sheen_cmd_eval;
 extern const sheen_command sheen_cmd_export;
+extern const sheen_command sheen_cmd_view;
 extern const sheen_command sheen_cmd_run;
 extern const sheen_command sheen_cmd_turntable;
 

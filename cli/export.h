@@ -13,6 +13,7 @@ typedef struct sheen_export_args {
     int texels_per_edge; // 0: all
     int quantizer;       // -1: the finest that fits
     int n_lights;        // of a glTF file
+    int n_photographs;   // in a page
     int n_threads;
 } sheen_export_args;
 

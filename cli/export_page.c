@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "cli/export_loss.h"
+#include "cli/page_photos.h"
 #include "cli/viewer_html.h"
 #include "render/pack_avif.h"
 
@@ -29,6 +30,8 @@ typedef struct exporting {
     const sheen_model *model;
     sheen_page_view view;
     char title[256];
+    char *more; // first view and photographs, JSON
+    size_t more_bytes;
     int n_tried;
 } exporting;
 
@@ -43,7 +46,7 @@ static sheen_status make_page(made_page *out, exporting *e, const sheen_model *m
                               sheen_err *err)
 {
     const sheen_page_options options = {.quantizer = quantizer, .n_threads = e->args->n_threads};
-    const sheen_page_words words = {.title = e->title, .sources = "", .more_json = "{}"};
+    const sheen_page_words words = {.title = e->title, .sources = "", .more_json = e->more};
     *out = (made_page){.texels_per_edge = model->texture.texels_per_edge, .quantizer = quantizer};
     sheen_status s = sheen_progress_step(e->progress, "sizes tried", e->n_tried++, 0, err);
     if (!s)
@@ -171,6 +174,21 @@ void sheen_export_page_view(sheen_page_view *out, const sheen_cli_view *v)
     memcpy(out->rt_board_obj, v->rt_board_obj, sizeof out->rt_board_obj);
 }
 
+static sheen_status tell_more(exporting *e, const sheen_session *s, const sheen_cli_view *v, sheen_err *err)
+{
+    enum { PHOTO_WIDTH_PX = 800 };
+    sheen_page_photos photos;
+    double look_deg[2];
+    sheen_status st = sheen_export_first_view(look_deg, v, s, err);
+    if (st || (st = sheen_page_photos_open(&photos, s, (size_t)e->args->n_photographs, err)))
+        return st;
+    st = sheen_page_more(&e->more, &photos, s, v, look_deg, true, PHOTO_WIDTH_PX, err);
+    if (!st)
+        e->more_bytes = strlen(e->more);
+    sheen_page_photos_close(&photos);
+    return st;
+}
+
 sheen_status sheen_export_page(sheen_cli *cli, const sheen_export_args *a, const sheen_session *s,
                                const sheen_cli_view *v, sheen_err *err)
 {
@@ -184,7 +202,10 @@ sheen_status sheen_export_page(sheen_cli *cli, const sheen_export_args *a, const
             "this build has no viewer to put into a page; install nodejs and npm, and build again");
     sheen_export_title(e.title, a, s);
     sheen_export_page_view(&e.view, v);
-    sheen_status st = choose(&best, &e, err);
+    sheen_status st = tell_more(&e, s, v, err);
+    if (!st)
+        st = choose(&best, &e, err);
+    free(e.more);
     if (st)
         return st;
     st = measure(&loss, &e, s, &best.page, err);
@@ -192,6 +213,8 @@ sheen_status sheen_export_page(sheen_cli *cli, const sheen_export_args *a, const
         st = sheen_file_write(a->output, best.text, best.size_bytes, err);
     if (!st)
         say(cli, a, &best, &loss);
+    if (!st && a->n_photographs)
+        sheen_cli_say(cli, "  photographs %.0f kB", (double)e.more_bytes / 1e3);
     made_page_release(&best);
     return st;
 }

@@ -51,6 +51,8 @@ sheen_status sheen_page_pack(sheen_page *out, const sheen_model *model, const sh
 sheen_status sheen_page_unpack(sheen_model *out, sheen_page_view *view, const sheen_page *page,
                                sheen_err *err);
 
+// RFC 4648: 4 characters for each 3 bytes begun. Returns the end of what was written; no NUL.
+char *sheen_put_base64(char *to, const uint8_t *data, size_t size_bytes);
 // The finished page: `html` (the viewer, NUL-terminated, which holds the marks @SHEEN_SOURCES@, @SHEEN_TITLE@,
 // @SHEEN_MORE@, @SHEEN_GEOMETRY@, @SHEEN_TEXTURE@ and @SHEEN_BOARD@ once each, in this order) with the parts in base64
 // and the words escaped for where they stand. The caller frees *text. EARG: a mark is missing; ENOMEM.

@@ -5,8 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// RFC 4648. Returns the end of what was written: 4 characters for each 3 bytes begun.
-static char *put_base64(char *to, const uint8_t *data, size_t size_bytes)
+char *sheen_put_base64(char *to, const uint8_t *data, size_t size_bytes)
 {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/=";
     enum { PADDING = 64 };
@@ -69,11 +68,11 @@ static char *put_part(char *to, int part, const sheen_page *page, const sheen_pa
     case 2:
         return put_json(to, words->more_json);
     case 3:
-        return put_base64(to, page->geometry, page->geometry_bytes);
+        return sheen_put_base64(to, page->geometry, page->geometry_bytes);
     case 4:
-        return put_base64(to, page->texture, page->texture_bytes);
+        return sheen_put_base64(to, page->texture, page->texture_bytes);
     default:
-        return put_base64(to, page->board, page->board_bytes);
+        return sheen_put_base64(to, page->board, page->board_bytes);
     }
 }
 

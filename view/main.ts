@@ -3,8 +3,9 @@
 import { listen, motionOn } from "./controls";
 import { drawHemisphere } from "./hemisphere";
 import { type Model, ModelError, readModel } from "./model";
+import { type More, readMore } from "./more";
 import { Stage } from "./scene";
-import { firstView, fromHash, toHash, type View } from "./view";
+import { firstView, fromHash, toHash, type View, viewOfPhoto } from "./view";
 
 const degreesPerSecond = 24; // of the turntable
 const root = document.documentElement;
@@ -35,18 +36,24 @@ class Page {
     private last = 0; // time of the last frame, ms
     private movedAt = 0;
 
-    constructor(private readonly model: Model) {
-        this.stage = new Stage(this.canvas, model);
+    constructor(
+        private readonly model: Model,
+        private readonly more: More,
+    ) {
+        this.stage = new Stage(this.canvas, model, more);
         this.stage.resize();
-        this.first = firstView(model, this.canvas.width, this.canvas.height);
-        this.view = fromHash(location.hash, this.first, model.radius);
+        this.first = firstView(model, more, this.canvas.width, this.canvas.height);
+        this.view = this.fromAddress();
         if (new URLSearchParams(location.hash.slice(1)).get("interface") === "none") root.dataset.interface = "none";
-        const home = (): void => this.show({ ...this.view, ...this.viewpoint(this.first) });
-        listen(this.canvas, motionOn(() => this.view, (view) => this.show(view), home, model.radius, model.focalPerWidth));
+        const home = (): void => this.show({ ...this.view, ...this.viewpoint(this.first), photo: -1 });
+        const move = (view: View): void => this.show({ ...view, photo: -1 }); // the photograph was taken from where it was
+        listen(this.canvas, motionOn(() => this.view, move, home, model.radius, model.focalPerWidth));
         this.connectForm();
         this.connectButtons();
         addEventListener("resize", () => this.show({ ...this.view }));
-        addEventListener("hashchange", () => this.show(fromHash(location.hash, this.first, model.radius)));
+        addEventListener("hashchange", () => this.show(this.fromAddress()));
+        this.connectPhotographs();
+        this.followServer();
         this.canvas.addEventListener("webglcontextlost", (event) => {
             event.preventDefault();
             fail("The browser took the graphics away. Reload the page to see the object again.");
@@ -55,6 +62,56 @@ class Page {
         // The first picture is drawn here, so that a shader that does not compile is noticed.
         while (!this.stage.drawStill(this.view));
         requestAnimationFrame((now) => this.frame(now));
+    }
+
+    private fromAddress(): View {
+        const view = fromHash(location.hash, this.first, this.model.radius, this.more.photographs.length);
+        return view.photo < 0 ? view : { ...view, ...viewOfPhoto(this.model, this.more.photographs[view.photo].rtCamObj) };
+    }
+
+    private connectPhotographs(): void {
+        const { photographs } = this.more;
+        const choice = element<HTMLSelectElement>("photo");
+        element("photographs").hidden = photographs.length === 0;
+        photographs.forEach(({ name }, i) => choice.append(new Option(name, String(i))));
+        choice.addEventListener("change", () => {
+            const photo = Number(choice.value);
+            this.setTurning(false);
+            this.show({ ...this.view, photo, ...(photo < 0 ? {} : viewOfPhoto(this.model, photographs[photo].rtCamObj)) });
+        });
+        element("slide").addEventListener("input", () => this.fillForm());
+        element("taken").addEventListener("error", () => this.say("The photograph could not be had."));
+    }
+
+    // The photograph covers the right of the drawing, as far as the slider says.
+    private layPhotograph(): void {
+        const taken = element<HTMLImageElement>("taken");
+        const photograph = this.more.photographs[this.view.photo];
+        const share = element<HTMLInputElement>("slide").valueAsNumber;
+        element("slide-value").textContent = `${share} %`;
+        taken.hidden = !photograph;
+        if (!photograph) return;
+        if (taken.getAttribute("src") !== photograph.src) taken.src = photograph.src;
+        taken.alt = `Photograph ${photograph.name}`;
+        taken.style.clipPath = `inset(0 0 0 ${100 - share}%)`;
+    }
+
+    // A page that is served asks whether the model has changed, and shows the new one from the same view.
+    private followServer(): void {
+        const { state } = this.more;
+        if (!state) return;
+        setInterval(() => {
+            fetch(state)
+                .then(async (answer) => {
+                    if (((await answer.json()) as { changed: boolean }).changed) location.reload();
+                })
+                .catch(() => this.say("sheen view has ended; this page stays as it is."));
+        }, 2000);
+    }
+
+    private setTurning(turning: boolean): void {
+        this.turning = turning;
+        element("turn").setAttribute("aria-pressed", String(turning));
     }
 
     private viewpoint(view: View): Pick<View, "azimuth" | "elevation" | "distance" | "pan"> {
@@ -74,7 +131,7 @@ class Page {
         this.last = now;
         if (this.stage.resize()) this.show(this.view);
         if (this.turning)
-            this.show({ ...this.view, azimuth: (this.view.azimuth + Math.min(elapsed, 0.25) * degreesPerSecond) % 360 });
+            this.show({ ...this.view, photo: -1, azimuth: (this.view.azimuth + Math.min(elapsed, 0.25) * degreesPerSecond) % 360 });
         if (this.moving) {
             root.dataset.drawn = "moving";
             this.stage.drawMoving(this.view, elapsed);
@@ -110,6 +167,9 @@ class Page {
         set("roughness", Math.log10(view.sigma), `σ ${view.sigma.toPrecision(3)} rad`);
         set("lights", view.turn, `${Math.round(view.turn)}°`);
         element<HTMLInputElement>("holes").checked = view.holes;
+        element<HTMLInputElement>("wire").checked = view.wire;
+        element<HTMLSelectElement>("photo").value = String(view.photo);
+        this.layPhotograph();
         for (const radio of document.querySelectorAll<HTMLInputElement>("input[name=layer]")) radio.checked = radio.value === view.layer;
         if (element<HTMLDetailsElement>("hemisphere-part").open)
             drawHemisphere(element<HTMLCanvasElement>("hemisphere"), this.model, view);
@@ -124,6 +184,7 @@ class Page {
         on("roughness", (input) => ({ sigma: 10 ** input.valueAsNumber }));
         on("lights", (input) => ({ turn: input.valueAsNumber }));
         on("holes", (input) => ({ holes: input.checked }));
+        on("wire", (input) => ({ wire: input.checked }));
         for (const radio of document.querySelectorAll<HTMLInputElement>("input[name=layer]"))
             radio.addEventListener("input", () => this.show({ ...this.view, layer: radio.value as View["layer"] }));
         element("controls").addEventListener("submit", (event) => event.preventDefault());
@@ -138,10 +199,7 @@ class Page {
 
     private connectButtons(): void {
         const turn = element("turn");
-        turn.addEventListener("click", () => {
-            this.turning = !this.turning;
-            turn.setAttribute("aria-pressed", String(this.turning));
-        });
+        turn.addEventListener("click", () => this.setTurning(!this.turning));
         const full = element("full");
         full.hidden = !document.fullscreenEnabled;
         full.addEventListener("click", () => {
@@ -171,7 +229,7 @@ async function main(): Promise<void> {
     element("stage").setAttribute("aria-label", document.title);
     const model = await readModel(progress);
     await progress(0.8);
-    new Page(model);
+    new Page(model, readMore());
     root.dataset.state = "ready";
     root.dataset.drawn = "still";
 }

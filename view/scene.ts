@@ -35,6 +35,7 @@ import {
 import { makeBvh } from "./bvh";
 import { type Cells, makeCells } from "./cells";
 import { type Model, ModelError } from "./model";
+import type { More } from "./more";
 import { addShader, coverShader, encodeShader, fragmentShader, vertexShader } from "./shader";
 import { poseOf, type View } from "./view";
 
@@ -136,6 +137,7 @@ export class Stage {
     constructor(
         private readonly canvas: HTMLCanvasElement,
         private readonly model: Model,
+        private readonly more: More,
     ) {
         const context = canvas.getContext("webgl2", { antialias: false, alpha: false, preserveDrawingBuffer: true });
         if (!context) throw new ModelError("This browser has no WebGL2, which this page draws with. Another browser, or one with graphics acceleration switched on, will show it.");
@@ -173,6 +175,7 @@ export class Stage {
                 holeRgb: { value: new Vector3() },
                 lightFromObj: { value: new Matrix3() },
                 show: { value: new Vector2(1, 1) },
+                wire: { value: false },
                 ...surroundingsUniforms(model),
             },
         });
@@ -227,11 +230,14 @@ export class Stage {
 
     private setView(view: View, width: number, height: number, offset: number[]): void {
         const u = this.material.uniforms;
-        const { R, t, camera, worldFromObj, worldOrigin, lightFromObj } = poseOf(this.model, view);
-        const reach = this.model.radius + Math.hypot(...view.pan);
-        const near = Math.max(view.distance - 1.01 * reach, 0.005 * this.model.radius);
-        const far = view.distance + 1.01 * reach;
-        const fx = 2 * this.model.focalPerWidth;
+        const { R, t, camera, worldFromObj, worldOrigin, lightFromObj } = poseOf(this.model, view, this.more.photographs[view.photo]?.rtCamObj);
+        const [x, y, z] = this.model.centre;
+        const depth = R[2][0] * x + R[2][1] * y + R[2][2] * z + t[2];
+        const near = Math.max(depth - 1.01 * this.model.radius, 0.005 * this.model.radius);
+        const far = Math.max(depth, 0) + 1.01 * this.model.radius;
+        // A photograph is shown whole, with bars beside or above it.
+        const share = view.photo >= 0 ? Math.min(1, (height * this.more.aspect) / width) : 1;
+        const fx = 2 * this.model.focalPerWidth * share;
         const fy = (-fx * width) / height;
         // A sample right of and below the pixel's middle: the picture moves left and up.
         const cx = (-2 * offset[0]) / width;
@@ -253,6 +259,7 @@ export class Stage {
         u.leastShadowed.value = this.model.shadows && kS > 0 ? negligible / kS : shadowless;
         (u.specularRgb.value as Vector3).fromArray(this.model.lightRgb).multiplyScalar(kS);
         (u.holeRgb.value as Vector3).set(view.holes ? 1 : 0, 0, view.holes ? 1 : 0);
+        u.wire.value = view.wire;
         (u.show.value as Vector2).set(view.layer === "specular" ? 0 : 1, view.layer === "diffuse" ? 0 : 1);
         this.setLights(view.sigma);
     }

@@ -42,6 +42,7 @@ uniform vec3 cameraObj;
 uniform vec3 holeRgb;
 uniform mat3 lightFromObj;
 uniform vec2 show; // diffuse, specular
+uniform bool wire; // edges of triangles
 uniform sampler2D nodes, triangles; // bvh.ts
 uniform int nNodes;
 uniform float offset; // by which secondary rays start off the surface, metres
@@ -230,6 +231,11 @@ void main() {
     vec3 sum = vec3(0.0);
     if (show.x > 0.0) sum += diffuseAt(triangle, place, holeRgb);
     if (show.y > 0.0) sum += specularAt();
+    if (wire) {
+        vec3 b = vec3(1.0 - place.x - place.y, place), step = max(fwidth(b), 1e-9), d = b / step;
+        float across = 1.0 / max(step.x, max(step.y, step.z)); // pixels of the triangle: small ones would hide the object
+        if (min(d.x, min(d.y, d.z)) < 0.8) sum = mix(sum, vec3(0.1, 0.6, 1.0), clamp(across / 10.0, 0.1, 0.8));
+    }
     colour = vec4(min(sum, vec3(1000.0)), 1.0); // half floats end at 65504; white is 1
 }
 `;

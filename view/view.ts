@@ -2,6 +2,7 @@
 // view.ts - where the camera stands and what is shown; as text for a link. The viewpoints are those of
 // `sheen render --view`: azimuth about the board's z from its x, elevation, distance from the object's middle.
 import type { Model } from "./model";
+import type { More } from "./more";
 
 export interface View {
     azimuth: number; // degrees
@@ -13,6 +14,8 @@ export interface View {
     sigma: number; // rad
     turn: number; // of the lights, degrees
     holes: boolean; // marked
+    wire: boolean; // the triangles' edges are drawn
+    photo: number; // from whose viewpoint, seen as it was taken; -1: none
 }
 
 export type Matrix3 = number[][]; // rows
@@ -51,10 +54,10 @@ export function defaultDistance(model: Model, width: number, height: number): nu
     return model.radius * Math.hypot(1, focal / ((fill * Math.min(width, height)) / 2));
 }
 
-export function firstView(model: Model, width: number, height: number): View {
+export function firstView(model: Model, more: More, width: number, height: number): View {
     return {
-        azimuth: 30,
-        elevation: 25,
+        azimuth: more.firstView[0],
+        elevation: more.firstView[1],
         distance: defaultDistance(model, width, height),
         pan: [0, 0],
         layer: "all",
@@ -62,6 +65,8 @@ export function firstView(model: Model, width: number, height: number): View {
         sigma: model.sigma,
         turn: 0,
         holes: false,
+        wire: false,
+        photo: -1,
     };
 }
 
@@ -74,7 +79,21 @@ export interface Pose {
     lightFromObj: Matrix3; // the same, turned as the lights are
 }
 
-export function poseOf(model: Model, view: View): Pose {
+// Where the camera of a photograph stood, as a view about the object.
+export function viewOfPhoto(model: Model, rt: number[]): Pick<View, "azimuth" | "elevation" | "distance" | "pan"> {
+    const R = rotation(rt);
+    const camera = apply(transpose(R), rt.slice(3)).map((x) => -x);
+    const d = apply(rotation(model.boardFromObj), camera.map((x, k) => x - model.centre[k]));
+    const distance = Math.hypot(...d);
+    return {
+        azimuth: Math.atan2(d[1], d[0]) / rad,
+        elevation: Math.asin(Math.max(-1, Math.min(1, d[2] / distance))) / rad,
+        distance,
+        pan: [0, 0],
+    };
+}
+
+export function poseOf(model: Model, view: View, photo: number[] | null = null): Pose {
     const ca = Math.cos(view.azimuth * rad);
     const sa = Math.sin(view.azimuth * rad);
     const ce = Math.cos(view.elevation * rad);
@@ -84,9 +103,9 @@ export function poseOf(model: Model, view: View): Pose {
         [se * ca, se * sa, -ce],
         [-ce * ca, -ce * sa, -se],
     ];
-    const R = multiply(look, rotation(model.boardFromObj));
+    const R = photo ? rotation(photo) : multiply(look, rotation(model.boardFromObj));
     const offset = apply(R, model.centre);
-    const t = [view.pan[0] - offset[0], view.pan[1] - offset[1], view.distance - offset[2]];
+    const t = photo ? photo.slice(3) : [view.pan[0] - offset[0], view.pan[1] - offset[1], view.distance - offset[2]];
     const camera = apply(transpose(R), t).map((x) => -x);
     const worldFromObj = model.objectMoves ? R : rotation(model.worldFromObj);
     // The lights turn about the vertical: the board's, or where they stand still before the camera the picture's.
@@ -101,7 +120,7 @@ function number(text: string | undefined, low: number, high: number, otherwise: 
     return text && Number.isFinite(x) ? Math.min(high, Math.max(low, x)) : otherwise;
 }
 
-const short = (x: number): string => String(Number(x.toPrecision(5)));
+const short = (x: number): string => String(Math.abs(x) < 1e-6 ? 0 : Number(x.toPrecision(5)));
 
 // The part of the address after '#'. What is as at first is left out.
 export function toHash(view: View, first: View): string {
@@ -112,10 +131,12 @@ export function toHash(view: View, first: View): string {
     if (view.sigma !== first.sigma) parts.push(`sigma=${short(view.sigma)}`);
     if (view.turn !== first.turn) parts.push(`lights=${short(view.turn)}`);
     if (view.holes) parts.push("holes=marked");
+    if (view.wire) parts.push("triangles=shown");
+    if (view.photo >= 0) parts.push(`photograph=${view.photo + 1}`);
     return `#${parts.join("&")}`;
 }
 
-export function fromHash(hash: string, first: View, radius: number): View {
+export function fromHash(hash: string, first: View, radius: number, nPhotos: number): View {
     const given = new URLSearchParams(hash.replace(/^#/, ""));
     const look = (given.get("view") ?? "").split(",");
     const pan = (given.get("pan") ?? "").split(",");
@@ -131,5 +152,7 @@ export function fromHash(hash: string, first: View, radius: number): View {
         sigma: number(text("sigma"), 1e-3, 1, first.sigma),
         turn: number(text("lights"), -180, 180, 0),
         holes: given.get("holes") === "marked",
+        wire: given.get("triangles") === "shown",
+        photo: Math.round(number(text("photograph"), 1, nPhotos, 0)) - 1,
     };
 }

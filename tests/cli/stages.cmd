@@ -18,6 +18,7 @@ sheen calibrate photos/p0.png --board board.json
 sheen calibrate nowhere.png --board board.json
 sheen calibrate bare --board board.json
 sheen pose nowhere
+sheen view nowhere
 
 # pictures without a board
 @ sheen import s photos --board board.json --camera lens.cameramodel

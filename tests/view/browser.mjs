@@ -11,11 +11,12 @@ export async function openBrowser(executable) {
     });
 }
 
-// A tab on a file, with everything that went wrong in it: errors, and requests other than for the file itself.
+// A tab on a file (or an address), with everything that went wrong in it: errors, and requests other than for the file itself, or below
+// the address.
 export async function openPage(browser, file, { hash = "", width = 960, height = 720, ...context } = {}) {
     const tab = await browser.newPage({ viewport: { width, height }, ...context });
     const faults = [];
-    const address = pathToFileURL(file).href;
+    const address = file.startsWith("http") ? file : pathToFileURL(file).href;
     tab.on("pageerror", (error) => faults.push(`error: ${error.message}`));
     tab.on("console", (message) => {
         if (message.type() === "error") faults.push(`console: ${message.text()}`);

@@ -4,8 +4,10 @@
 // renders them; the first one's page is tried out.
 import axe from "axe-core";
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
-import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { execFileSync, spawn } from "node:child_process";
+import { once } from "node:events";
+import { cpSync, mkdirSync, readFileSync, renameSync, rmSync, utimesSync, writeFileSync } from "node:fs";
+import { request } from "node:http";
 import { basename, join } from "node:path";
 import { PNG } from "pngjs";
 import { openBrowser, openPage, picture, psnr, settled } from "./browser.mjs";
@@ -201,6 +203,94 @@ await test("on a phone the object comes first, and a finger turns it", async () 
         await tab.click("#panel summary");
         writeFileSync(join(folder, "phone.png"), await tab.screenshot());
     });
+});
+
+const photographs = exported(sessions[0], "photographs.html", "--photographs", "2");
+await test("a photograph lies over the drawing from its own viewpoint, as far as the slider says", async () => {
+    await on(photographs.file, {}, async (tab) => {
+        assert.equal(await tab.locator("#photo option").count(), 3);
+        await changes(tab, () => tab.selectOption("#photo", "0"));
+        assert.match(await hash(tab), /photograph=1/);
+        const slide = (to) => tab.locator("#slide").evaluate((input, value) => ((input.value = value), input.dispatchEvent(new Event("input"))), to);
+        const hide = (tab) => tab.evaluate(() => (document.getElementById("panel").hidden = true));
+        await hide(tab);
+        await slide("0");
+        await settled(tab);
+        const drawn = await picture(tab);
+        await slide("100");
+        await tab.locator("#taken").evaluate((img) => img.decode());
+        const taken = await picture(tab);
+        await slide("50");
+        writeFileSync(join(folder, "photograph.png"), await tab.screenshot());
+        const { db, n } = psnr(drawn, taken, objectIn(drawn, true));
+        console.log(`     ${db.toFixed(1)} dB over ${n} pixels`);
+        assert.ok(n > 2000 && db > 20);
+        await tab.focus("#stage");
+        await changes(tab, () => tab.keyboard.press("ArrowLeft"));
+        assert.doesNotMatch(await hash(tab), /photograph/);
+        assert.equal(await tab.locator("#taken").isVisible(), false);
+    });
+});
+
+await test("the triangles can be seen", async () => {
+    await on(small.file, {}, async (tab) => assert.ok((await changes(tab, () => tab.check("#wire"))) < 35));
+});
+
+// sheen view on a session, until the body is done.
+async function served(session, body) {
+    const program = spawn(sheen, ["view", session, "--no-browser"], { stdio: ["ignore", "pipe", "inherit"] });
+    try {
+        const [line] = await once(program.stdout, "data");
+        await body(String(line).split("\n")[0]);
+    } finally {
+        program.kill("SIGINT");
+        const [code] = await once(program, "exit");
+        assert.equal(code, 0);
+    }
+}
+
+// The answer's status to a request with these headers.
+const asked = (address, path, { method = "GET", host } = {}) =>
+    new Promise((resolve, reject) => {
+        const { hostname, port } = new URL(address);
+        const query = request({ hostname, port, path, method, headers: host ? { host } : {} }, (answer) => {
+            answer.resume();
+            answer.on("end", () => resolve(answer.statusCode));
+        });
+        query.on("error", reject);
+        query.end();
+    });
+
+await test("the served page follows the session, and nobody else is answered", async () => {
+    const session = join(folder, "served.session");
+    cpSync(sessions[0], session, { recursive: true });
+    renameSync(join(session, "model"), join(session, "later"));
+    await served(session, async (address) => {
+        const { pathname, port } = new URL(address);
+        const { tab, faults } = await openPage(browser, address, size);
+        assert.match(await tab.locator("main").textContent(), /no model yet/);
+        renameSync(join(session, "later"), join(session, "model"));
+        await settled(tab);
+        await changes(tab, () => tab.selectOption("#photo", "1"));
+        await tab.locator("#taken").evaluate((img) => img.decode());
+        writeFileSync(join(folder, "served.png"), await tab.screenshot());
+        const again = tab.waitForEvent("framenavigated");
+        const later = new Date(Date.now() + 5000);
+        utimesSync(join(session, "model/model.json"), later, later);
+        await again;
+        await settled(tab);
+        assert.match(await hash(tab), /photograph=2/);
+        assert.deepEqual(faults, []);
+        await tab.context().close();
+        assert.equal(await asked(address, pathname, { host: `localhost:${port}` }), 200);
+        for (const host of ["evil.example", `evil.example:${port}`, "127.0.0.1", `127.0.0.1.evil.example:${port}`])
+            assert.equal(await asked(address, pathname, { host }), 403, host);
+        for (const path of ["/", pathname.slice(0, -3) + "00/", "/../", `${pathname}../../etc/passwd`, `${pathname}photo/..%2f..%2fsession.json`, `${pathname}photo/99`, `${pathname}photo/-1`, `${pathname}session.json`, `//${pathname}`])
+            assert.equal(await asked(address, path), 404, path);
+        for (const method of ["POST", "PUT", "DELETE", "OPTIONS"]) assert.equal(await asked(address, pathname, { method }), 405, method);
+        assert.equal(await asked(address, pathname, { method: "HEAD" }), 200);
+    });
+    rmSync(session, { recursive: true });
 });
 
 await test("without WebGL2, and with a damaged model, the page says so", async () => {
