@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/pose3.h"
 #include "base/vec.h"
 #include "calib/cholesky.h"
 #include "fit/certainty_view.h"
@@ -25,7 +26,11 @@ typedef struct lamp {
 typedef struct work {
     const sheen_paper_fit *f;
     const sheen_model *m;
-    uint32_t *lamp_of; // [lights.count] index of lamp; UINT32_MAX: none
+    sheen_lights l;  // the model's nodes, or the points of its lamps
+    float *per_m;    // [l.count] 1 / distance, from the lamps' origin; NULL: nodes, all far
+    double radius_m; // of the object
+    sheen_Rt Rt_world_obj;
+    uint32_t *lamp_of; // [l.count] index of lamp; UINT32_MAX: none
     lamp *lamps;
     size_t n_lamps, step;
     double *A, *J, scale; // (1 + 3 n_lamps) squared; one row
@@ -40,7 +45,7 @@ static float angle_between(const sheen_lights *l, size_t a, const double v[3])
 // Brightest light first, then all that are within a lobe's width of it and not yet taken; and again.
 static void group(work *w)
 {
-    const sheen_lights *l = &w->m->lights;
+    const sheen_lights *l = &w->l;
     const double reach_rad = fmax(3 * w->m->sigma_rad, 0.05);
     memset(w->lamp_of, 0xff, l->count * sizeof *w->lamp_of);
     while (w->n_lamps < MOST_LAMPS) {
@@ -79,10 +84,11 @@ static int brighter(const void *a, const void *b)
 
 static void measure_radii(work *w)
 {
-    for (size_t i = 0; i < w->m->lights.count; i++)
+    for (size_t i = 0; i < w->l.count; i++)
         if (w->lamp_of[i] != UINT32_MAX) {
             lamp *g = &w->lamps[w->lamp_of[i]];
-            g->radius_rad = fmax(g->radius_rad, (double)angle_between(&w->m->lights, i, g->v_world));
+            const double parallax_rad = w->per_m ? (double)w->per_m[i] * w->radius_m : 0;
+            g->radius_rad = fmax(g->radius_rad, (double)angle_between(&w->l, i, g->v_world) + parallax_rad);
         }
 }
 
@@ -90,15 +96,20 @@ static void measure_radii(work *w)
 static double lamp_light(const work *w, size_t i_lamp, const sheen_residual_pixel *p, const double *shift,
                          double sigma_rad)
 {
-    const sheen_lights *l = &w->m->lights;
+    const sheen_lights *l = &w->l;
     const double k = -0.5 / (sigma_rad * sigma_rad);
-    double sum = 0;
+    double sum = 0, x_m[3];
+    const double p_obj[3] = {(double)p->p_obj[0], (double)p->p_obj[1], (double)p->p_obj[2]};
+    float x[3];
+    sheen_Rt_point(x_m, &w->Rt_world_obj, p_obj);
+    for (int c = 0; c < 3; c++)
+        x[c] = (float)(x_m[c] - w->m->lamp_origin_world[c]);
     for (size_t i = 0; i < l->count; i++) {
         if (w->lamp_of[i] != i_lamp)
             continue;
         float v[3] = {l->dx[i], l->dy[i], l->dz[i]};
-        for (int c = 0; c < 3 && shift; c++)
-            v[c] += (float)shift[c];
+        for (int c = 0; c < 3; c++)
+            v[c] += (shift ? (float)shift[c] : 0) - (w->per_m ? w->per_m[i] * x[c] : 0);
         sheen_normalizef(v);
         const double a2 = (double)sheen_lobe_alpha2(p->n_world, p->v_world, v);
         if (a2 < 25 * sigma_rad * sigma_rad)
@@ -266,19 +277,72 @@ static void put_in_words(sheen_certainty *c)
             c->advice_azimuth_deg, c->advice_elevation_deg);
 }
 
+// The model's nodes and the points of its lamps as one list.
+static sheen_status list_lights(work *w, sheen_err *err)
+{
+    const sheen_model *m = w->m;
+    sheen_lamp_points points;
+    sheen_status s = sheen_lamp_points_init(&points, m->lamps, m->n_lamps, (float)m->sigma_rad, err);
+    if (s)
+        return s;
+    const size_t n = m->lights.count + points.n_points;
+    float **arrays[5] = {&w->l.dx, &w->l.dy, &w->l.dz, &w->l.weight, &w->per_m};
+    for (int k = 0; k < 5 && !s; k++)
+        if (!(*arrays[k] = calloc(n + 1, sizeof(float))))
+            s = sheen_fail_memory(err, 20.0 * (double)n, "lights");
+    for (size_t i = 0; i < m->lights.count && !s; i++) {
+        w->l.dx[i] = m->lights.dx[i];
+        w->l.dy[i] = m->lights.dy[i];
+        w->l.dz[i] = m->lights.dz[i];
+        w->l.weight[i] = m->lights.weight[i];
+    }
+    w->l.count = s ? 0 : n;
+    for (size_t j = 0; j < m->n_lamps && !s; j++)
+        for (size_t k = points.first[j]; k < points.first[j + 1]; k++) {
+            const size_t i = m->lights.count + k;
+            float d[3] = {points.dx[k], points.dy[k], points.dz[k]};
+            const float length = sheen_normalizef(d);
+            w->l.dx[i] = d[0];
+            w->l.dy[i] = d[1];
+            w->l.dz[i] = d[2];
+            w->per_m[i] = points.inverse_distance[k] / length;
+            w->l.weight[i] = m->k_s > 0 ? points.share[k] * sheen_luminance(m->lamps[j].rgb) / (float)m->k_s
+                                        : 0;
+        }
+    sheen_lamp_points_release(&points);
+    return s;
+}
+
+static void release_lights(work *w)
+{
+    free(w->l.dx);
+    free(w->l.dy);
+    free(w->l.dz);
+    free(w->l.weight);
+    free(w->per_m);
+}
+
 sheen_status sheen_certainty_find(sheen_certainty *out, const sheen_paper_fit *f, const sheen_mesh *mesh,
                                   const sheen_photos *photos, sheen_moving moving, sheen_err *err)
 {
     *out = (sheen_certainty){0};
     work w = {.f = f, .m = &f->model, .scale = fmax(0.0015, f->refined.sigma_err)};
     enum { MOST = 1 + 3 * MOST_LAMPS };
+    if (f->model.n_lamps) { // near ones are seen elsewhere from each point
+        float centre_obj[3], radius_m;
+        sheen_mesh_sphere(mesh, centre_obj, &radius_m);
+        w.radius_m = (double)radius_m;
+        sheen_Rt_from_rt(&w.Rt_world_obj, photos->photos[0].rt_world_obj);
+    }
+    sheen_status s = list_lights(&w, err);
     double(*peak)[MOST_LAMPS] = calloc(f->n_views + 1, sizeof *peak);
-    w.lamp_of = malloc((f->model.lights.count + 1) * sizeof *w.lamp_of);
+    w.lamp_of = malloc((w.l.count + 1) * sizeof *w.lamp_of);
     w.lamps = calloc(MOST_LAMPS, sizeof *w.lamps);
     w.A = calloc((size_t)MOST * MOST, sizeof *w.A);
     w.J = calloc(MOST, sizeof *w.J);
     out->lamps = calloc(MOST_LAMPS, sizeof *out->lamps);
-    sheen_status s = SHEEN_OK;
+    if (s)
+        goto done;
     if (!peak || !w.lamp_of || !w.lamps || !w.A || !w.J || !out->lamps) {
         s = sheen_fail_memory(err, 8.0 * MOST * MOST, "uncertainties");
         goto done;
@@ -297,6 +361,7 @@ sheen_status sheen_certainty_find(sheen_certainty *out, const sheen_paper_fit *f
 
 done:
     free(peak);
+    release_lights(&w);
     free(w.lamp_of);
     free(w.lamps);
     free(w.A);

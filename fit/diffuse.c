@@ -178,6 +178,7 @@ void sheen_surroundings_fit(sheen_surroundings *surroundings, const sheen_texel_
                             const sheen_view_light *lights, size_t n_views)
 {
     const size_t n_texels = n_views ? views[0].n_texels : 0, step = 1 + n_texels / 30000;
+    double f0_before = -1;
     for (int round = 0; round < 8; round++) {
         normal_equations q = {0};
         for (size_t t = 0; t < n_texels; t += step) {
@@ -196,6 +197,9 @@ void sheen_surroundings_fit(sheen_surroundings *surroundings, const sheen_texel_
             solve(surroundings, &q);
         else if (q.f0_below > 0)
             surroundings->f0 = fmin(1, fmax(0, q.f0_above / q.f0_below));
+        if (round % 2 && fabs(surroundings->f0 - f0_before) < 1e-3 * f0_before)
+            return;
+        f0_before = surroundings->f0;
     }
 }
 

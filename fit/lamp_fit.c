@@ -172,7 +172,7 @@ static sheen_status move_all(fit *f, sheen_err *err)
             lamps[l] = f->lamps[l];
             // Both sides of the difference are to have the same points
             if (parameter[k] == RADIUS)
-                move[RADIUS] += (double)(f->step.radius2 * (lamps[l].radius_rad > sigma));
+                move[RADIUS] += lamps[l].radius_rad > sigma ? (double)f->step.radius2 : 0;
             move_lamp(&lamps[l], move, f->samples->radius_m);
         }
         sheen_lamp_points_release(&f->moved[k]);
@@ -418,6 +418,7 @@ sheen_status sheen_lamp_predict(float *predicted, const sheen_lamp *lamps, size_
     fit f = {.lamps = own, .n = n, .lobe = *lobe, .samples = samples, .o = *options};
     const sheen_status s = prepare(&f, err);
     prediction p = {&f, predicted};
+    memset(predicted, 0, samples->count * sizeof *predicted);
     if (!s)
         sheen_parallel_for(samples->count, PIECE, options->n_threads, predict_piece, &p);
     release(&f);

@@ -236,7 +236,7 @@ static sheen_status prune(search *q, sheen_err *err)
 
 static int close_together(const search *q, const sheen_lamp *a, const sheen_lamp *b)
 {
-    const float reach = 3 * q->list->lobe.sigma_rad + a->radius_rad + b->radius_rad;
+    const float reach = 1.5f * q->list->lobe.sigma_rad + 0.5f * (a->radius_rad + b->radius_rad);
     return sheen_dotf(a->direction_world, b->direction_world) > cosf(fminf(3, reach));
 }
 

@@ -46,7 +46,7 @@ sheen_status sheen_lamp_samples_take(sheen_lamp_samples *out, const sheen_residu
     for (size_t v = 0; v < photos->count; v++)
         for (size_t i = 0; i < residuals[v].count; i++)
             n[is_lit(&residuals[v].pixels[i], o->threshold_lin)]++;
-    const size_t most[2] = {o->max_dark, o->max_lit};
+    const size_t most[2] = {o->max_dark ? o->max_dark : 1, o->max_lit ? o->max_lit : 1};
     size_t step[2];
     for (int k = 0; k < 2; k++)
         step[k] = n[k] > most[k] ? (n[k] + most[k] - 1) / most[k] : 1;
