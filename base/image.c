@@ -254,7 +254,7 @@ sheen_status sheen_image_from_grey(sheen_image *out, const sheen_raster *r, shee
                                    sheen_err *err)
 {
     const size_t n = (size_t)r->width_px * (size_t)r->height_px;
-    uint8_t *grey = malloc(n ? n : 1);
+    uint8_t *grey = malloc(n + 1);
     *out = (sheen_image){0};
     const sheen_status s = grey ? sheen_image_init(out, r->width_px, r->height_px, 1, err)
                                 : sheen_fail_memory(err, (double)n, "a picture");

@@ -540,7 +540,7 @@ static void report_frame(sheen_survey_frame *out, const problem *p, size_t f, do
 static sheen_status finish(sheen_survey *out, problem *p, sheen_err *err)
 {
     const size_t n = 6 * p->n_boards;
-    double *S_inverse = malloc(n * n * sizeof *S_inverse);
+    double *S_inverse = malloc((n * n + 1) * sizeof *S_inverse);
     if (!S_inverse)
         return sheen_fail_memory(err, (double)(n * n) * sizeof *S_inverse, "a survey of boards");
     sheen_status s = linearise(p, err); // once more, where all came to rest: errors and equations

@@ -201,7 +201,9 @@ static sheen_status sample_edge(sheen_outline *out, const sheen_outline_canvas *
     const double dx = b[0] - a[0], dy = b[1] - a[1], length = hypot(dx, dy);
     if (!(length > 1e-9) || !(length < 1e5))
         return SHEEN_OK;
-    for (double at = spacing_px - *carry; at <= length; at += spacing_px) {
+    const int n_here = (int)((*carry + length) / spacing_px);
+    for (int i = 1; i <= n_here; i++) {
+        const double at = lower(i * spacing_px - *carry, length);
         const double q[2] = {a[0] + dx * at / length, a[1] + dy * at / length};
         double n[2] = {dy / length, -dx / length};
         const int left = covered(out, q[0] + BESIDE_PX * n[0], q[1] + BESIDE_PX * n[1]),

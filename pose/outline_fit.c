@@ -40,7 +40,9 @@ static bool find_border(double *distance_px, const sheen_outline_view *v, const 
     const int w = v->canvas.width_px, h = v->canvas.height_px;
     double before = sample(v->mask, w, h, s->q_px[0], s->q_px[1]);
     const double sign = before >= 0.5 ? 1 : -1;
-    for (double t = STEP_PX; t <= reach_px && isfinite(before); t += STEP_PX) {
+    const int n_steps = (int)(reach_px / STEP_PX);
+    for (int step = 1; step <= n_steps && isfinite(before); step++) {
+        const double t = step * STEP_PX;
         const double now = sample(v->mask, w, h, s->q_px[0] + sign * t * s->n_px[0],
                                   s->q_px[1] + sign * t * s->n_px[1]);
         if (!isfinite(now))
@@ -123,23 +125,22 @@ static sheen_status add_residual(residuals *all, const sheen_outline_sample *s, 
 }
 
 static sheen_status collect(residuals *all, const sheen_outline_mesh *mesh, const sheen_placement *placement,
-                            const sheen_outline_view *views, size_t n_views, const double pivot_board[3],
-                            const sheen_outline_fit_options *o, sheen_outline *outlines, sheen_err *err)
+                            const sheen_outline_views *in, const double pivot_board[3],
+                            const sheen_outline_fit_options *o, sheen_err *err)
 {
     all->n = 0;
     all->length_px = 0;
-    for (size_t v = 0; v < n_views; v++) {
-        sheen_status s = sheen_outline_draw(&outlines[v], mesh, placement, &views[v].canvas, o->spacing_px,
-                                            err);
-        if (s)
-            return s;
-        for (size_t i = 0; i < outlines[v].n_samples && !s; i++) {
-            const sheen_outline_sample *sample_here = &outlines[v].samples[i];
+    for (size_t v = 0; v < in->n_views; v++) {
+        const sheen_outline_view *view = &in->views[v];
+        sheen_outline *outline = &in->outlines[v];
+        sheen_status s = sheen_outline_draw(outline, mesh, placement, &view->canvas, o->spacing_px, err);
+        for (size_t i = 0; !s && i < outline->n_samples; i++) {
+            const sheen_outline_sample *at = &outline->samples[i];
             double distance_px;
-            all->length_px += sample_here->length_px;
-            if (o->edges ? views[v].light && find_edge(&distance_px, &views[v], sample_here, o->reach_px)
-                         : find_border(&distance_px, &views[v], sample_here, o->reach_px))
-                s = add_residual(all, sample_here, distance_px, pivot_board, o, err);
+            all->length_px += at->length_px;
+            if (o->edges ? view->light && find_edge(&distance_px, view, at, o->reach_px)
+                         : find_border(&distance_px, view, at, o->reach_px))
+                s = add_residual(all, at, distance_px, pivot_board, o, err);
         }
         if (s)
             return s;
@@ -256,14 +257,13 @@ static double radius_of(const sheen_outline_mesh *mesh, const sheen_placement *p
 }
 
 // Areas of cover and mask, where the mask is known.
-static void compare_areas(sheen_outline_misfit *m, const sheen_outline_view *views, size_t n_views,
-                          const sheen_outline *outlines, double length_px)
+static void compare_areas(sheen_outline_misfit *m, const sheen_outline_views *in, double length_px)
 {
     double both = 0, either = 0, differ = 0;
-    for (size_t v = 0; v < n_views; v++) {
-        const size_t n = (size_t)views[v].canvas.width_px * (size_t)views[v].canvas.height_px;
+    for (size_t v = 0; v < in->n_views; v++) {
+        const size_t n = (size_t)in->views[v].canvas.width_px * (size_t)in->views[v].canvas.height_px;
         for (size_t i = 0; i < n; i++) {
-            const double mask = (double)views[v].mask[i], cover = outlines[v].cover[i];
+            const double mask = (double)in->views[v].mask[i], cover = in->outlines[v].cover[i];
             if (!(mask >= 0))
                 continue;
             both += mask * cover;
@@ -294,9 +294,8 @@ static void set_covariance(sheen_outline_misfit *m, const double H[N * N], const
 }
 
 sheen_status sheen_outline_fit(sheen_placement *placement, sheen_outline_misfit *misfit,
-                               const sheen_outline_mesh *mesh, const sheen_outline_view *views,
-                               size_t n_views, const double centre_obj[3],
-                               const sheen_outline_fit_options *options, sheen_outline *outlines,
+                               const sheen_outline_mesh *mesh, const sheen_outline_views *views,
+                               const double centre_obj[3], const sheen_outline_fit_options *options,
                                sheen_err *err)
 {
     residuals all = {0};
@@ -306,7 +305,7 @@ sheen_status sheen_outline_fit(sheen_placement *placement, sheen_outline_misfit 
     sheen_status s = SHEEN_OK;
     for (int round = 0; !s; round++) {
         pivot_of(pivot, placement, centre_obj, options->pivot_on_board);
-        s = collect(&all, mesh, placement, views, n_views, pivot, options, outlines, err);
+        s = collect(&all, mesh, placement, views, pivot, options, err);
         if (!s && all.n < 2 * N)
             s = sheen_fail(err, SHEEN_EDATA, "the mesh's outline is nowhere near the masks");
         if (!s)
@@ -327,7 +326,7 @@ sheen_status sheen_outline_fit(sheen_placement *placement, sheen_outline_misfit 
         for (size_t i = 0; i < all.n; i++)
             found_px += all.list[i].length_px;
         misfit->found = all.length_px > 0 ? found_px / all.length_px : 0;
-        compare_areas(misfit, views, n_views, outlines, all.length_px);
+        compare_areas(misfit, views, all.length_px);
         set_covariance(misfit, H, options->free);
     }
     free(all.list);

@@ -24,6 +24,13 @@ typedef struct sheen_outline_view {
     const float *light; // [height_px][width_px], brightness in equal steps for the eye; NULL: no image edges
 } sheen_outline_view;
 
+// The views of a fit, and room for an outline each, starting as {0}.
+typedef struct sheen_outline_views {
+    const sheen_outline_view *views;
+    sheen_outline *outlines;
+    size_t n_views;
+} sheen_outline_views;
+
 // Unknowns: turn about the pivot (3, board axes), move (3), logarithm of the scale.
 enum { SHEEN_OUTLINE_UNKNOWNS = 7 };
 
@@ -46,12 +53,11 @@ typedef struct sheen_outline_misfit {
     double moved_m;                                                     // by the last step
 } sheen_outline_misfit;
 
-// Moves *placement to where it fits best near its start. `outlines` holds n_views, each starting as {0}. centre_obj
-// is the pivot in the mesh's frame (before scale). EDATA: no outline is near any mask.
+// Moves *placement to where it fits best near its start. centre_obj is the pivot in the mesh's frame (before scale).
+// EDATA: no outline is near any mask.
 sheen_status sheen_outline_fit(sheen_placement *placement, sheen_outline_misfit *misfit,
-                               const sheen_outline_mesh *mesh, const sheen_outline_view *views,
-                               size_t n_views, const double centre_obj[3],
-                               const sheen_outline_fit_options *options, sheen_outline *outlines,
+                               const sheen_outline_mesh *mesh, const sheen_outline_views *views,
+                               const double centre_obj[3], const sheen_outline_fit_options *options,
                                sheen_err *err);
 
 #ifdef __cplusplus

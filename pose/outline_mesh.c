@@ -79,7 +79,7 @@ static sheen_status merge(sheen_outline_mesh *out, keyed *keys, size_t n_vertice
     *out = (sheen_outline_mesh){0};
     uint32_t *to = malloc((n_vertices + 1) * sizeof *to);
     out->p_obj = malloc((3 * n_vertices + 3) * sizeof *out->p_obj);
-    out->triangles = malloc((3 * n_triangles + 3) * sizeof *out->triangles);
+    out->triangles = calloc(3 * n_triangles + 3, sizeof *out->triangles);
     if (!to || !out->p_obj || !out->triangles) {
         free(to);
         sheen_outline_mesh_release(out);

@@ -178,11 +178,12 @@ static void slide(void *self, size_t begin, size_t end)
                                          .spacing_px = 2,
                                          .max_steps = 6};
     sheen_outline outlines[SEARCH_VIEWS] = {{0}};
+    const sheen_outline_views views = {s->small.views, outlines, s->small.n_views};
     for (size_t i = begin; i < end; i++) {
         sheen_err err = {0};
         candidate *c = &s->starts[i];
-        const sheen_status st = sheen_outline_fit(&c->placement, &c->misfit, &s->coarse, s->small.views,
-                                                  s->small.n_views, s->centre_obj, &o, outlines, &err);
+        const sheen_status st = sheen_outline_fit(&c->placement, &c->misfit, &s->coarse, &views,
+                                                  s->centre_obj, &o, &err);
         c->alive = !st;
         if (st && st != SHEEN_EDATA)
             __atomic_store_n((int *)&s->status, (int)st, __ATOMIC_RELAXED);
@@ -237,10 +238,10 @@ static sheen_status fit_all(search *s, size_t *n, const sheen_outline_mesh *mesh
                             sheen_register_pictures *pictures, const sheen_outline_fit_options *o,
                             sheen_err *err)
 {
+    const sheen_outline_views views = {pictures->views, pictures->outlines, pictures->n_views};
     for (size_t i = 0; i < *n; i++) {
         candidate *c = &s->starts[i];
-        const sheen_status st = sheen_outline_fit(&c->placement, &c->misfit, mesh, pictures->views,
-                                                  pictures->n_views, s->centre_obj, o, pictures->outlines,
+        const sheen_status st = sheen_outline_fit(&c->placement, &c->misfit, mesh, &views, s->centre_obj, o,
                                                   err);
         c->alive = !st;
         if (st && st != SHEEN_EDATA)
