@@ -14,7 +14,7 @@ enum { SHEEN_LOBE_BLOCK = 256 };
 // Unit normals and directions to the camera, component by component, in the lights' frame; neighbours in the
 // picture should stand near each other (Morton order), or time is lost.
 typedef struct sheen_lobe_block {
-    _Alignas(64) float nx[SHEEN_LOBE_BLOCK];
+    float nx[SHEEN_LOBE_BLOCK];
     float ny[SHEEN_LOBE_BLOCK], nz[SHEEN_LOBE_BLOCK];
     float vx[SHEEN_LOBE_BLOCK], vy[SHEEN_LOBE_BLOCK], vz[SHEEN_LOBE_BLOCK];
     float sum[SHEEN_LOBE_BLOCK]; // out

@@ -18,7 +18,7 @@ fi
 # alone COMPILER LANGUAGE STANDARD HEADER
 alone() {
     printf '#include "%s"\n' "$4" |
-        "$1" -x "$2" -std="$3" -D_POSIX_C_SOURCE=200809L -Wall -Wextra -Wpedantic -Werror -I . -fsyntax-only - || {
+        "$1" -x "$2" -std="$3" -D_POSIX_C_SOURCE=200809L -Wall -Wextra -Wpedantic -Werror -fopenmp-simd -I . -fsyntax-only - || {
         echo "$4 does not compile alone with $1 -std=$3"
         bad=1
     }
