@@ -8,8 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/camera_private.h"
 #include "base/file.h"
 #include "base/image.h"
+
+#define SHEEN_CAMERA_TAKEN_BY "# taken by: "
 
 sheen_status sheen_camera_opencv(sheen_camera *cam, int width_px, int height_px, const double fxycxy[4],
                                  const double *distortion, int n_distortion, sheen_err *err)
@@ -57,6 +60,31 @@ sheen_status sheen_camera_scale(sheen_camera *out, const sheen_camera *cam, doub
         out->intrinsics[2 + i] = (cam->intrinsics[2 + i] + 0.5) * factor - 0.5;
     }
     return sheen_camera_check(out, err);
+}
+
+// From the comment that sheen_camera_save writes.
+static void read_taken_by(sheen_camera *cam, const char *data, size_t size_bytes)
+{
+    const size_t length = sizeof SHEEN_CAMERA_TAKEN_BY - 1;
+    for (const char *at = data, *end = data + size_bytes; at < end;) {
+        const char *line_end = memchr(at, '\n', (size_t)(end - at));
+        const size_t n = (size_t)((line_end ? line_end : end) - at);
+        if (n > length && !memcmp(at, SHEEN_CAMERA_TAKEN_BY, length)) {
+            const size_t n_text = n - length < sizeof cam->taken_by ? n - length : sizeof cam->taken_by - 1;
+            memcpy(cam->taken_by, at + length, n_text);
+            cam->taken_by[n_text] = 0;
+            return;
+        }
+        at += n + 1;
+    }
+}
+
+sheen_status sheen_camera_parse(sheen_camera *cam, const void *data, size_t size_bytes, sheen_err *err)
+{
+    const sheen_status s = sheen_camera_parse_mrcal(cam, data, size_bytes, err);
+    if (!s)
+        read_taken_by(cam, data, size_bytes);
+    return s;
 }
 
 sheen_status sheen_camera_load(sheen_camera *cam, const char *path, sheen_err *err)
@@ -131,6 +159,8 @@ sheen_status sheen_camera_save_with(const sheen_camera *cam, const sheen_camera_
     t.data = malloc(t.size_bytes);
     if (!t.data)
         return sheen_fail_memory(err, (double)t.size_bytes, path);
+    if (cam->taken_by[0])
+        add(&t, "%s%s\n", SHEEN_CAMERA_TAKEN_BY, cam->taken_by);
     if (extras->note)
         add(&t, "# %.500s\n", extras->note);
     add(&t, "{\n    'lensmodel':  '%s',\n\n", cam->lensmodel);

@@ -21,6 +21,8 @@ typedef struct sheen_camera {
     int n_intrinsics;   // as the lens model demands
     double intrinsics[SHEEN_CAMERA_MAX_INTRINSICS]; // fx fy cx cy in px, then the distortion
     int width_px, height_px;
+    // The camera and its focus as the frames that it was calibrated from say ("NAME; focus 30"); "": not known.
+    char taken_by[160];
     double rt_cam_ref[6]; // mrcal's "extrinsics"; sheen leaves them zero in camera.cameramodel
 } sheen_camera;
 

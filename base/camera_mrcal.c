@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/camera_private.h"
 #include "base/image.h"
 #include "base/quiet.h"
 #include "base/vec.h"
@@ -104,7 +105,7 @@ sheen_status sheen_camera_unproject(const sheen_camera *cam, double *v_cam, cons
     return SHEEN_OK;
 }
 
-sheen_status sheen_camera_parse(sheen_camera *cam, const void *data, size_t size_bytes, sheen_err *err)
+sheen_status sheen_camera_parse_mrcal(sheen_camera *cam, const void *data, size_t size_bytes, sheen_err *err)
 {
     *cam = (sheen_camera){0};
     // mrcal's parser takes a length of 0 for "up to a NUL"

@@ -113,6 +113,9 @@ typedef struct sheen_frame_info {
 void sheen_frame_info_init(sheen_frame_info *f);
 // A sidecar from memory; f->name is left as it is. Every member is checked. EFORMAT.
 sheen_status sheen_frame_info_parse(sheen_frame_info *f, const void *data, size_t size_bytes, sheen_err *err);
+// The camera of a frame and its focus, as sheen_camera.taken_by has it; "" where the frame does not say. Where the
+// camera is plugged in does not count.
+void sheen_frame_taken_by(char out[160], const sheen_frame_info *f);
 // True for a name that a frame may have: 1 to 60 of [A-Za-z0-9._-], not beginning with a dot.
 bool sheen_frame_name_ok(const char *name);
 

@@ -358,3 +358,18 @@ sheen_status sheen_frame_info_save(const sheen_frame_info *f, const char *path, 
     sheen_json_close(&w);
     return sheen_json_save(&w, path, err);
 }
+
+void sheen_frame_taken_by(char out[160], const sheen_frame_info *f)
+{
+    enum { FOCUS_ABSOLUTE = 0x009a090a };      // V4L2's number of the control
+    int length = (int)strcspn(f->device, "("); // the place follows in brackets
+    while (length > 0 && f->device[length - 1] == ' ')
+        length--;
+    snprintf(out, 160, "%.*s", length, f->device);
+    for (int i = 0; i < f->n_controls && out[0]; i++)
+        if (f->controls[i].id == FOCUS_ABSOLUTE)
+            snprintf(out, 160, "%.*s; focus %d", length, f->device, (int)f->controls[i].value);
+    for (char *c = out; *c; c++) // it becomes a comment of one line
+        if ((unsigned char)*c < ' ')
+            *c = ' ';
+}

@@ -2,6 +2,7 @@
 // calibrate_session.c - the calibration stage: which frames, which board, which files.
 #include "calib/calibrate_session.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -60,6 +61,29 @@ static sheen_status observe_role(sheen_views *out, const sheen_session *s, sheen
     return status;
 }
 
+// Frames of one camera at one focus have one lens; which, goes into the camera's file.
+static sheen_status find_owner(char taken_by[160], const sheen_session *s, sheen_role role, sheen_err *err)
+{
+    const sheen_frame_info *first = NULL;
+    taken_by[0] = 0;
+    for (size_t i = 0; i < s->n_frames; i++) {
+        char other[160];
+        if (s->frames[i].role != role)
+            continue;
+        sheen_frame_taken_by(other, &s->frames[i]);
+        if (first && strcmp(other, taken_by) != 0)
+            return sheen_fail(
+                err, SHEEN_EDATA,
+                "frame '%s' is by '%.120s' but '%s' by '%.120s': calibrate from frames of one camera at "
+                "one focus",
+                s->frames[i].name, other, first->name, taken_by);
+        if (!first)
+            snprintf(taken_by, 160, "%s", other);
+        first = first ? first : &s->frames[i];
+    }
+    return SHEEN_OK;
+}
+
 static sheen_status write_results(const sheen_calibration *c, const sheen_session *s,
                                   const sheen_board *board, const sheen_views *views, sheen_err *err)
 {
@@ -87,6 +111,7 @@ sheen_status sheen_calibrate_session(sheen_calibration *out, const sheen_session
 {
     char path[SHEEN_PATH_MAX];
     const char *board_file;
+    char taken_by[160];
     sheen_role role;
     sheen_board board = {0};
     sheen_views views = {0};
@@ -100,10 +125,13 @@ sheen_status sheen_calibrate_session(sheen_calibration *out, const sheen_session
     if (!st)
         st = sheen_board_load(&board, path, err);
     if (!st)
+        st = find_owner(taken_by, s, role, err);
+    if (!st)
         st = observe_role(&views, s, role, &board, options, err);
     if (!st)
         st = sheen_calibrate(out, &board, views.views, views.n_views, options, err);
     if (!st) {
+        snprintf(out->camera.taken_by, sizeof out->camera.taken_by, "%s", taken_by);
         st = write_results(out, s, &board, &views, err);
         if (st)
             sheen_calibration_release(out);

@@ -210,6 +210,7 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
         if (s.moving == SHEEN_MOVING_OBJECT)
             say_turntable(cli, &s, &poses);
         check_limit(cli, &poses, max_rms_px);
+        sheen_cli_check_camera(cli, &s, summary.rms_median_px);
         if (!summary.left_alone)
             st = check_moved(cli, &s, &poses, err);
         if (!st && report)

@@ -95,6 +95,8 @@ static sheen_status run_pose(run_state *r, sheen_err *err)
     sheen_cli_clear_bar(r->cli);
     if (!st)
         sheen_cli_say_poses(r->cli, &summary, &poses);
+    if (!st)
+        sheen_cli_check_camera(r->cli, &r->s, summary.rms_median_px);
     sheen_poses_release(&poses);
     return st;
 }

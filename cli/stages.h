@@ -14,6 +14,9 @@
 // Each says the result, and puts it into the open object cli->out.
 void sheen_cli_say_calibration(sheen_cli *cli, const sheen_calibration *c);
 void sheen_cli_say_poses(sheen_cli *cli, const sheen_pose_summary *p, const sheen_poses *poses);
+// Warns where frames are by another camera or focus than the calibration's, or fit much worse than it did. rms_px: of
+// the poses, median.
+void sheen_cli_check_camera(sheen_cli *cli, const sheen_session *s, double rms_px);
 void sheen_cli_say_fit(sheen_cli *cli, const sheen_fit_summary *f);
 sheen_status sheen_cli_say_evaluation(sheen_cli *cli, const sheen_evaluation *e, sheen_err *err);
 

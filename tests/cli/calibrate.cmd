@@ -33,3 +33,16 @@ sed 's/ to 0\.[0-9]* px/ to N px/; s/ (then .*//' said | head -16
 grep -c ' taken' said
 @ sed 's/\(intrinsics.: \[\) [0-9.]*/\1 nan/' s/camera.cameramodel > nan.cameramodel
 sheen import t all/cal00.jpg --camera nan.cameramodel
+
+# another camera, another focus: in one calibration, and in frames that are to be posed
+@ cp s/calibration-board.json s/board.json && cp all/cal05.jpg extra.jpg && sheen import s extra.jpg
+@ sed -i 's/"role": "calibration"/"role": "calibration", "device": "Cam A (usb-1)"/' s/frames/cal*.json
+@ sed -i 's/"role": "input"/"role": "input", "device": "Cam B (usb-1)"/' s/frames/extra.json
+sheen calibrate s >/dev/null && grep -a taken s/camera.cameramodel
+sheen pose s | sed 's/ [0-9.]* mm/ N mm/g'
+@ sed -i 's/Cam A (usb-1)/Cam C (usb-1)/' s/frames/cal05b.json
+sheen calibrate s
+# the lens turned since: residuals have grown
+@ sed -i 's/Cam [A-C] (usb-1)/Cam A (usb-2)/' s/frames/*.json
+@ sheen calibrate s && sed -i 's/\(intrinsics.: \[\) [0-9.]*/\1 1460/' s/camera.cameramodel
+sheen pose s | sed 's/ [0-9.]* mm/ N mm/g'
