@@ -4,6 +4,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <strings.h>
 
 #include "base/camera_export.h"
@@ -11,6 +12,7 @@
 #include "base/image_file.h"
 #include "calib/calibrate_page.h"
 #include "calib/calibrate_session.h"
+#include "calib/lens_model.h"
 #include "cli/cli.h"
 #include "cli/commands.h"
 #include "cli/live.h"
@@ -25,6 +27,17 @@ typedef struct calibrate_args {
     sheen_live_options live_options;
     sheen_calibrate_options o;
 } calibrate_args;
+
+// What would only fail after the work is done.
+static sheen_status check_names(const calibrate_args *a, sheen_err *err)
+{
+    const sheen_lens_model *lens;
+    sheen_camera_format format;
+    const bool automatic = a->o.lensmodel && !strcmp(a->o.lensmodel, "auto");
+    const sheen_status s = automatic ? SHEEN_OK : sheen_lens_model_find(&lens, a->o.lensmodel, err);
+    const bool ours = !a->output || !strcasecmp(sheen_path_extension(a->output), "cameramodel");
+    return s || ours ? s : sheen_camera_format_of(&format, a->output, err);
+}
 
 static sheen_status parse(sheen_cli *cli, calibrate_args *a, sheen_err *err)
 {
@@ -64,7 +77,9 @@ static sheen_status parse(sheen_cli *cli, calibrate_args *a, sheen_err *err)
         return s;
     if (a->live != (a->live_options.device != NULL))
         return sheen_cli_usage(cli, err, "--live and --device URI go together");
-    return a->live && cli->n_args > 1 ? sheen_cli_usage(cli, err, "--live wants one session") : SHEEN_OK;
+    if (a->live && cli->n_args > 1)
+        return sheen_cli_usage(cli, err, "--live wants one session");
+    return sheen_cli_option_status(cli, check_names(a, err));
 }
 
 void sheen_cli_say_calibration(sheen_cli *cli, const sheen_calibration *c)
@@ -122,10 +137,10 @@ static sheen_status calibrate_pictures(sheen_cli *cli, const calibrate_args *a, 
                                        sheen_cli_picture_list *list, sheen_err *err)
 {
     sheen_status s = SHEEN_OK;
-    if (!a->board)
-        s = sheen_file_exists(cli->args[0]) || sheen_dir_exists(cli->args[0])
-                ? sheen_cli_usage(cli, err, "which board do the pictures show? Give --board FILE")
-                : sheen_fail(err, SHEEN_EIO, "there is no session and no picture file '%s'", cli->args[0]);
+    if (!sheen_file_exists(cli->args[0]) && !sheen_dir_exists(cli->args[0]))
+        s = sheen_fail(err, SHEEN_EIO, "there is no session and no picture file '%s'", cli->args[0]);
+    else if (!a->board)
+        s = sheen_cli_usage(cli, err, "which board do the pictures show? Give --board FILE");
     if (!s && !strcasecmp(sheen_path_extension(cli->args[0]), "vnl"))
         return calibrate_table(cli, a, c, err);
     if (!s)

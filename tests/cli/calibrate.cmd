@@ -1,7 +1,7 @@
 # pictures that cannot be calibrated from, each with its sentence; a folder, a table of corners, other programs' files
 @ data=$(dirname $cmd)/../data/penguin; mkdir few alike all blank; cp $data/calibration-board.json board.json
 @ data=$(dirname $cmd)/../data/penguin; cp $data/frames/cal*.jpg all; cp all/cal0[0-3].jpg few
-@ for i in 0 1 2 3 4 5 6 7 8 9; do cp all/cal05.jpg alike/a$i.jpg; done
+@ for i in 0 1 2 3 4 5; do cp all/cal05.jpg alike/a$i.jpg; done
 @ for i in 0 1 2 3 4 5; do make_input picture blank/p$i.png 320 240 $i; done
 @ sheen board -o other.pdf --paper a3 --first-id 300
 @ mkdir mixed && cp all/cal0[0-5].jpg mixed && make_input picture mixed/z.png 320 240 1
@@ -9,14 +9,14 @@ sheen calibrate few --board board.json
 sheen calibrate blank --board board.json
 sheen calibrate all --board other.json
 sheen calibrate mixed --board board.json
-sheen calibrate alike --board board.json | sed 's/.*: //'
-sheen calibrate alike --board board.json >/dev/null; echo "exit code $?"
+sheen calibrate alike --board board.json > said; echo "exit code $?"
+tail -1 said | sed 's/.*: //'
 sheen calibrate nowhere --board board.json
 sheen calibrate all
 sheen calibrate all --board board.json --model fisheye
 sheen calibrate all --board board.json -o x.ini
 sheen calibrate all --board board.json -o x.kalibr.yaml
-sheen calibrate all --board board.json --model opencv4 -o x.kalibr.yaml --report x.html | head -1
+sheen calibrate all --board board.json --model opencv4 -o x.kalibr.yaml --report x.html | tail -1 | cut -c 1-4
 grep -c '<section>' x.html
 sheen calibrate s --live
 sheen calibrate all --device replay:s
@@ -25,7 +25,7 @@ sheen calibrate c.vnl --board board.json
 sheen calibrate c.vnl --board board.json --size 1280x960
 
 # live, from a recording in which the board stands still twice each time
-@ mkdir twice; for f in all/cal*.jpg; do n=$(basename $f .jpg); cp $f twice/${n}a.jpg; cp $f twice/${n}b.jpg; done
+@ mkdir twice; for f in all/cal0*.jpg all/cal1[0-1].jpg; do n=$(basename $f .jpg); cp $f twice/${n}a.jpg; cp $f twice/${n}b.jpg; done
 @ sheen import recorded twice --role calibration
 sheen calibrate s --live --device replay:recorded
 sheen calibrate s --live --device replay:recorded --board board.json --accuracy-px 0.05 > said
