@@ -30,13 +30,15 @@ typedef struct view {
     size_t n_px;
 } view;
 
-// A model of the same mesh with a baseline's texture and no lights. It borrows the mesh and owns nothing.
+// A model of the same mesh with a baseline's texture and nothing else. It borrows the mesh and owns nothing.
 static sheen_model plain_model(const sheen_model *model, const sheen_texture *texture)
 {
     sheen_model m = *model;
     m.texture = *texture;
     m.lights.count = 0;
+    m.n_lamps = 0;
     m.surroundings.present = 0;
+    m.irradiance.present = 0;
     return m;
 }
 

@@ -177,8 +177,11 @@ static sheen_status get_texture(sheen_texture *t, unpacking *u, const sheen_page
         s = sheen_texture_from_atlas(t, &atlas, u->n_triangles, u->texels_per_edge, err);
     sheen_image_release(&atlas);
     const size_t n = s ? 0 : u->n_triangles * sheen_texels_per_triangle(u->texels_per_edge);
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
         t->n_views[i] = u->at[i / 8] >> (i % 8) & 1;
+        if (!t->n_views[i]) // its colour served the coding only
+            memset(t->rgb + 3 * i, 0, 3 * sizeof *t->rgb);
+    }
     return s;
 }
 
