@@ -69,7 +69,7 @@ typedef struct scatter {
 static bool merge_pixel(float rgb[3], scatter *s, const sheen_exposure *e, int n, size_t pixel,
                         double reference_s, const double noise[2])
 {
-    double light[3] = {0}, weight[3] = {0}, x[SHEEN_MERGE_MAX][3];
+    double light[3] = {0}, weight[3] = {0}, x[SHEEN_MERGE_MAX][3] = {{0}};
     bool used[SHEEN_MERGE_MAX], any = false;
     for (int i = 0; i < n; i++) {
         const double r = reference_s / e[i].exposure_s;

@@ -15,7 +15,7 @@ void sheen_cli_found(sheen_cli_findings *f, sheen_cli_severity severity, const c
     sheen_cli_finding g = {.severity = severity};
     va_list args;
     va_start(args, fmt);
-    vsnprintf(g.text, sizeof g.text, fmt, args);
+    vsnprintf(g.text, sizeof g.text, fmt, args); // NOLINT(clang-analyzer-valist.Uninitialized): va_start did
     va_end(args);
     if (f->n_findings == SHEEN_CLI_MAX_FINDINGS)
         return;

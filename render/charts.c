@@ -342,9 +342,9 @@ static sheen_status write_out(sheen_charts *out, const cutting *c, sheen_err *er
     const size_t n = 3 * c->mesh->n_triangles;
     uint32_t *number = malloc((c->mesh->n_vertices + 1) * sizeof *number);
     size_t *stamp = calloc(c->mesh->n_vertices, sizeof *stamp); // chart + 1 that a vertex was last met in
-    out->triangles = malloc(n * sizeof *out->triangles);
-    out->vertex = malloc(n * sizeof *out->vertex);
-    out->q_px = malloc(2 * n * sizeof *out->q_px);
+    out->triangles = malloc((n + 1) * sizeof *out->triangles);
+    out->vertex = malloc((n + 1) * sizeof *out->vertex);
+    out->q_px = malloc(2 * (n + 1) * sizeof *out->q_px);
     out->n_triangles = c->mesh->n_triangles;
     sheen_status s = SHEEN_OK;
     if (!number || !stamp || !out->triangles || !out->vertex || !out->q_px)

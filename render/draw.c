@@ -143,10 +143,10 @@ static void draw_bands(void *self, size_t begin, size_t end)
             draw_tile(j, x, (int)band * j->tile_px);
 }
 
-static void fill(sheen_image *layer, int y, int begin, int end, const float *value)
+static void fill(sheen_image *layer, int y, int begin, int end, const float value[4])
 {
     for (int x = begin; x < end; x++)
-        for (int c = 0; c < layer->n_channels; c++)
+        for (int c = 0; c < layer->n_channels && c < 4; c++)
             sheen_image_at(layer, x, y)[c] = value[c];
 }
 
@@ -155,13 +155,14 @@ static void clear_rows(void *self, size_t begin, size_t end)
 {
     const job *j = self;
     const sheen_gbuffer *g = j->g;
-    static const float black[3] = {0, 0, 0};
+    static const float black[4] = {0, 0, 0, 0};
+    const float *rgb = j->options->background_rgb, background[4] = {rgb[0], rgb[1], rgb[2], 0};
     sheen_image *const layers[] = {&j->out->diffuse, &j->out->specular, &j->out->composite, &j->out->coverage,
                                    &j->out->holes};
     for (size_t i = 0; i < sizeof layers / sizeof *layers; i++)
         for (size_t row = begin; row < end && layers[i]->data; row++) {
             const int y = (int)row, width = layers[i]->width_px;
-            const float *value = layers[i] == &j->out->composite ? j->options->background_rgb : black;
+            const float *value = layers[i] == &j->out->composite ? background : black;
             const bool in_window = y >= g->y0_px && y < g->y0_px + g->height_px;
             fill(layers[i], y, 0, in_window ? g->x0_px : width, value);
             if (in_window)
@@ -169,7 +170,7 @@ static void clear_rows(void *self, size_t begin, size_t end)
         }
 }
 
-static sheen_status room(sheen_image *layer, int wanted, const sheen_camera *cam, int channels,
+static sheen_status room(sheen_image *layer, bool wanted, const sheen_camera *cam, int channels,
                          sheen_err *err)
 {
     if (wanted && layer->data && layer->width_px == cam->width_px && layer->height_px == cam->height_px &&
@@ -181,19 +182,19 @@ static sheen_status room(sheen_image *layer, int wanted, const sheen_camera *cam
 
 static sheen_status make_layers(sheen_layers *out, const sheen_camera *cam, unsigned wanted, sheen_err *err)
 {
-    sheen_status s = room(&out->diffuse, wanted & SHEEN_LAYER_DIFFUSE, cam, 3, err);
+    sheen_status s = room(&out->diffuse, (wanted & SHEEN_LAYER_DIFFUSE) != 0, cam, 3, err);
     if (!s)
-        s = room(&out->specular, wanted & SHEEN_LAYER_SPECULAR, cam, 3, err);
+        s = room(&out->specular, (wanted & SHEEN_LAYER_SPECULAR) != 0, cam, 3, err);
     if (!s)
-        s = room(&out->composite, wanted & SHEEN_LAYER_COMPOSITE, cam, 3, err);
+        s = room(&out->composite, (wanted & SHEEN_LAYER_COMPOSITE) != 0, cam, 3, err);
     if (!s)
-        s = room(&out->coverage, wanted & SHEEN_LAYER_COVERAGE, cam, 1, err);
+        s = room(&out->coverage, (wanted & SHEEN_LAYER_COVERAGE) != 0, cam, 1, err);
     if (!s)
-        s = room(&out->holes, wanted & SHEEN_LAYER_HOLES, cam, 1, err);
+        s = room(&out->holes, (wanted & SHEEN_LAYER_HOLES) != 0, cam, 1, err);
     return s;
 }
 
-sheen_status sheen_redraw(sheen_layers *out, const sheen_drawing *d, const sheen_camera *cam,
+sheen_status sheen_redraw(sheen_layers *layers, const sheen_drawing *d, const sheen_camera *cam,
                           const double rt_cam_obj[6], const double *rt_world_obj,
                           const sheen_draw_options *options, sheen_err *err)
 {
@@ -210,9 +211,9 @@ sheen_status sheen_redraw(sheen_layers *out, const sheen_drawing *d, const sheen
                                         err);
     if (s)
         return s;
-    s = make_layers(out, cam, o->layers ? o->layers : SHEEN_LAYERS_ALL, err);
+    s = make_layers(layers, cam, o->layers ? o->layers : SHEEN_LAYERS_ALL, err);
     if (!s) {
-        job j = {.drawing = d, .g = &g, .options = o, .out = out};
+        job j = {.drawing = d, .g = &g, .options = o, .out = layers};
         j.tile_px = samples < TILE_SAMPLES_PER_SIDE ? TILE_SAMPLES_PER_SIDE / samples : 1;
         sheen_shading_init(&j.shading, d->model, d->scene, d->cells, &d->lamps, rt_world_obj);
         sheen_parallel_for((size_t)cam->height_px, 16, o->n_threads, clear_rows, &j);

@@ -184,7 +184,7 @@ void sheen_tile_specular(sheen_tile *tile, const sheen_shading *s, const double 
 {
     sheen_lobe_block b;
     float facing[SHEEN_TILE_SAMPLES];
-    bool dark[SHEEN_TILE_SAMPLES];
+    bool dark[SHEEN_TILE_SAMPLES] = {false};
     surface(&b, facing, tile, &s->model->mesh, p_camera_obj);
     mend_outline(&b, dark, facing, tile, &s->model->mesh);
     if (s->model->shadows || s->model->surroundings.present || s->model->n_lamps)

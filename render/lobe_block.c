@@ -136,17 +136,17 @@ SHEEN_KERNEL_INLINE sums expand(const group *g, const sheen_lights *lights, floa
         const float hb = sheen_mad(bx, hx, sheen_mad(by, hy, bz * hz, fused), fused);
         const float bend = term * (k * k - m);
         s += term;
-        g1 = sheen_mad(tk, h1, g1, fused);
-        g2 = sheen_mad(tk, hb, g2, fused);
+        g1 += tk * h1;
+        g2 += tk * hb;
         const float tv = tk * inv_h;
-        sx = sheen_mad(tv, sheen_mad(-c, hx, nx, fused), sx, fused);
-        sy = sheen_mad(tv, sheen_mad(-c, hy, ny, fused), sy, fused);
-        sz = sheen_mad(tv, sheen_mad(-c, hz, nz, fused), sz, fused);
+        sx += tv * sheen_mad(-c, hx, nx, fused);
+        sy += tv * sheen_mad(-c, hy, ny, fused);
+        sz += tv * sheen_mad(-c, hz, nz, fused);
         // n runs on a sphere: along the tangent plane it also sinks by d^2 / 2, and c by c d^2 / 2.
         h11 += sheen_mad(bend * h1, h1, -tk * c, fused);
-        h12 = sheen_mad(bend * h1, hb, h12, fused);
+        h12 += bend * h1 * hb;
         h22 += sheen_mad(bend * hb, hb, -tk * c, fused);
-        horizon = sheen_mad(1 - above - below, all, horizon, fused);
+        horizon += (1 - above - below) * all;
     }
     return (sums){s, g1, g2, sx, sy, sz, h11, h12, h22, horizon};
 }

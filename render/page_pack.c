@@ -8,6 +8,7 @@
 
 #include <assert.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -47,6 +48,16 @@ static float brightest(const sheen_image *board)
     return most > 0 ? most : 1;
 }
 
+// Whether texels that no photograph saw have a colour all the same.
+static bool is_filled(const sheen_texture *t)
+{
+    const size_t n = t->n_triangles * sheen_texels_per_triangle(t->texels_per_edge);
+    for (size_t i = 0; i < n; i++)
+        if (!t->n_views[i] && (t->rgb[3 * i] > 0 || t->rgb[3 * i + 1] > 0 || t->rgb[3 * i + 2] > 0))
+            return true;
+    return false;
+}
+
 static void put_numbers(sheen_json_writer *w, const packing *p, const sheen_page_view *view)
 {
     const sheen_model *m = p->model;
@@ -59,6 +70,8 @@ static void put_numbers(sheen_json_writer *w, const packing *p, const sheen_page
     sheen_json_put_int(w, "n_vertices", (long long)m->mesh.n_vertices);
     sheen_json_put_int(w, "n_triangles", (long long)m->mesh.n_triangles);
     sheen_json_put_int(w, "texels_per_edge", m->texture.texels_per_edge);
+    if (is_filled(&m->texture))
+        sheen_json_put_bool(w, "filled", true);
     sheen_json_put_int(w, "columns", columns);
     sheen_json_put_numbers(w, "rt_board_obj", view->rt_board_obj, 6);
     sheen_json_put_number(w, "focal_per_width", view->focal_per_width);
@@ -224,7 +237,7 @@ static uint8_t code_of(float light)
     return (uint8_t)lrintf(sheen_transfer_encode(SHEEN_TRANSFER_SRGB, fminf(fmaxf(light, 0), 1)) * 255.0f);
 }
 
-// Unseen texels get the colour of the seen one before them: they are not shown, and cost least so.
+// Unseen texels without a colour get that of the one before them: they are not shown, and cost least so.
 static sheen_status pack_texture(sheen_page *out, const sheen_texture *t, const sheen_page_options *o,
                                  sheen_err *err)
 {
@@ -234,13 +247,14 @@ static sheen_status pack_texture(sheen_page *out, const sheen_texture *t, const 
     if (s)
         return s;
     const size_t n = (size_t)atlas.width_px * (size_t)atlas.height_px;
+    const bool filled = is_filled(t);
     if (!(rgb = malloc(3 * n)))
         s = sheen_fail_memory(err, 3.0 * (double)n, "a page's texture");
     for (size_t i = 0; !s && i < n; i++)
         for (size_t c = 0; c < 3; c++)
-            rgb[3 * i + c] = atlas.data[4 * i + 3] > 0 ? code_of(atlas.data[4 * i + c])
-                             : i                       ? rgb[3 * (i - 1) + c]
-                                                       : 0;
+            rgb[3 * i + c] = filled || atlas.data[4 * i + 3] > 0 ? code_of(atlas.data[4 * i + c])
+                             : i                                 ? rgb[3 * (i - 1) + c]
+                                                                 : 0;
     if (!s)
         s = sheen_avif_encode(&out->texture, &out->texture_bytes, rgb, atlas.width_px, atlas.height_px,
                               o->quantizer, o->n_threads, err);
@@ -289,10 +303,6 @@ static sheen_status check(const sheen_model *m, const sheen_page_view *view, she
                                        m->surroundings.board.height_px > SHEEN_PAGE_MAX_BOARD_SIDE_PX))
         return sheen_fail(err, SHEEN_EARG, "a board of %d x %d px is too large for a page",
                           m->surroundings.board.width_px, m->surroundings.board.height_px);
-    if (m->n_lamps)
-        return sheen_fail(
-            err, SHEEN_EUNSUP,
-            "a page cannot show lamps that are near or have extent yet; fit with --method paper");
     bool good = isfinite(view->focal_per_width) && view->focal_per_width > 0 &&
                 all_finite(mesh->p_obj, 3 * mesh->n_vertices) &&
                 all_finite(mesh->n_obj, 3 * mesh->n_vertices);

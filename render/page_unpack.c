@@ -3,6 +3,7 @@
 #include "render/page.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,6 +18,7 @@ typedef struct unpacking {
     const uint8_t *at; // what is read next; sizes were checked before
     double min_obj[3], max_obj[3], board_white;
     size_t n_vertices, n_triangles;
+    bool filled;                                          // unseen texels have a colour
     int texels_per_edge, board_width_px, board_height_px; // 0 x 0: no board
 } unpacking;
 
@@ -47,6 +49,7 @@ static sheen_status get_sizes(unpacking *u, const sheen_json *root, sheen_err *e
         return s;
     u->n_vertices = (size_t)n_vertices;
     u->n_triangles = (size_t)n_triangles;
+    u->filled = sheen_json_get(root, "filled") != NULL;
     sheen_texture_atlas_size(u->n_triangles, u->texels_per_edge, &want_columns, &width_px, &height_px);
     if (columns != want_columns)
         return damaged(err);
@@ -179,7 +182,7 @@ static sheen_status get_texture(sheen_texture *t, unpacking *u, const sheen_page
     const size_t n = s ? 0 : u->n_triangles * sheen_texels_per_triangle(u->texels_per_edge);
     for (size_t i = 0; i < n; i++) {
         t->n_views[i] = u->at[i / 8] >> (i % 8) & 1;
-        if (!t->n_views[i]) // its colour served the coding only
+        if (!t->n_views[i] && !u->filled) // its colour served the coding only
             memset(t->rgb + 3 * i, 0, 3 * sizeof *t->rgb);
     }
     return s;

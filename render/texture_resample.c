@@ -35,10 +35,10 @@ static bool counts(int i, int j, int last, int k, int m)
     return (i > 0 || k == 0) && (j > 0 || m == 0) && (i + j < last || k + m == 0);
 }
 
-// Returns the weight of what was seen.
+// Returns the weight of what was seen; where that is 0, rgb is what the place was filled with.
 static float gather(float rgb[3], const grid *g, size_t triangle, int i, int j)
 {
-    float sum[3] = {0, 0, 0}, weight_sum = 0;
+    float sum[3] = {0, 0, 0}, filled[3] = {0, 0, 0}, weight_sum = 0, filled_sum = 0;
     for (int m = 1 - g->n; m < g->n; m++)
         for (int k = 1 - g->n; k < g->n; k++) {
             const int distance = abs(k + m) > abs(k) ? abs(k + m) : abs(k);
@@ -48,15 +48,14 @@ static float gather(float rgb[3], const grid *g, size_t triangle, int i, int j)
             float here[3];
             const float seen = sample(here, g, triangle, ((float)i + (float)k / (float)g->n) * g->step,
                                       ((float)j + (float)m / (float)g->n) * g->step);
-            if (seen < LEAST_SEEN)
-                continue;
-            const float weight = seen * (float)(g->n - hexagonal);
+            const bool is_seen = seen >= LEAST_SEEN;
+            const float weight = (is_seen ? seen : 1) * (float)(g->n - hexagonal);
             for (int c = 0; c < 3; c++)
-                sum[c] += weight * here[c];
-            weight_sum += weight;
+                (is_seen ? sum : filled)[c] += weight * here[c];
+            *(is_seen ? &weight_sum : &filled_sum) += weight;
         }
     for (int c = 0; c < 3; c++)
-        rgb[c] = weight_sum > 0 ? sum[c] / weight_sum : 0;
+        rgb[c] = weight_sum > 0 ? sum[c] / weight_sum : filled_sum > 0 ? filled[c] / filled_sum : 0;
     return weight_sum;
 }
 

@@ -25,9 +25,10 @@ export function drawHemisphere(canvas: HTMLCanvasElement, model: Model, view: Vi
     context.stroke();
 
     const angle = (view.turn * Math.PI) / 180;
-    const most = model.lightWeight.reduce((a, b) => Math.max(a, b), 0) || 1;
-    model.lightWeight.forEach((weight, i) => {
-        const [x, y, z] = model.lightDirection.subarray(3 * i, 3 * i + 3);
+    const lights = Array.from(model.lightWeight, (weight, i) => ({ weight, direction: Array.from(model.lightDirection.subarray(3 * i, 3 * i + 3)) }));
+    for (const lamp of model.lamps?.lights ?? []) lights.push({ weight: Math.max(...lamp.rgb), direction: lamp.direction });
+    const most = lights.reduce((a, b) => Math.max(a, b.weight), 0) || 1;
+    lights.forEach(({ weight, direction: [x, y, z] }) => {
         const [c, s] = [Math.cos(angle), Math.sin(angle)];
         const turned = model.objectMoves ? [c * x - s * z, y, s * x + c * z] : [c * x - s * y, s * x + c * y, z];
         const [px, py] = onMap(turned);
@@ -46,5 +47,5 @@ export function drawHemisphere(canvas: HTMLCanvasElement, model: Model, view: Vi
     context.arc(px, py, 5, 0, 2 * Math.PI);
     context.stroke();
     context.lineWidth = 1;
-    canvas.setAttribute("aria-label", `Map of ${model.lightWeight.length} lights seen from above; the ring is the camera`);
+    canvas.setAttribute("aria-label", `Map of ${lights.length} lights seen from above; the ring is the camera`);
 }

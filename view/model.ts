@@ -9,6 +9,7 @@ export interface Model {
     columns: number; // blocks in a row of the atlas
     width: number; // of the atlas, px
     height: number;
+    filled: boolean; // texels that no photograph saw have a colour all the same
     seen: Uint8Array; // [height][width]: 255 where a photograph saw the texel
     texture: ImageBitmap;
     lightDirection: Float32Array; // [nLights][3], unit, frame of the lights ("world")
@@ -18,12 +19,28 @@ export interface Model {
     sigma: number; // rad
     lightRgb: number[];
     shadows: boolean; // the mesh hides lights from its own surface
+    lamps: Lamps | null;
     surroundings: Surroundings | null;
     worldFromObj: number[]; // Rodrigues vector, translation
     boardFromObj: number[];
     focalPerWidth: number;
     centre: number[]; // of the object, in its frame
     radius: number;
+}
+
+// Lights with a place, an extent and a colour, and their lobe (render/lamp.h).
+export interface Lamp {
+    direction: number[]; // unit, from the lamps' origin, frame of the lights
+    perMetre: number; // inverse distance
+    radius: number; // rad
+    rgb: number[];
+}
+
+export interface Lamps {
+    origin: number[];
+    tail: number;
+    fresnel: number;
+    lights: Lamp[];
 }
 
 // What is mirrored besides the lights (render/surroundings.h).
@@ -139,6 +156,7 @@ interface Numbers {
     n_vertices: number;
     n_triangles: number;
     texels_per_edge: number;
+    filled?: boolean;
     columns: number;
     rt_board_obj: number[];
     focal_per_width: number;
@@ -155,6 +173,12 @@ interface Numbers {
         sigma_rad: number;
         light_rgb: number[];
         shadows: boolean;
+        lamps?: {
+            origin_world: number[];
+            tail: number;
+            fresnel: number;
+            lights: { direction_world: number[]; inverse_distance_per_m: number; radius_rad: number; rgb: number[] }[];
+        };
         surroundings?: {
             f0: number;
             ambient_rgb: number[][];
@@ -201,6 +225,19 @@ function readLights(model: Numbers["model"]): { lightDirection: Float32Array; li
         lightDirection.set(d.map((x) => x / length), 3 * i);
     }
     return { lightDirection, lightWeight };
+}
+
+function readLamps(model: Numbers["model"]): Lamps | null {
+    const lamps = model.lamps;
+    if (!lamps) return null;
+    if (!vector(lamps.origin_world, 3) || !(lamps.tail >= 0 && lamps.tail <= 1) || !(lamps.fresnel >= 0) || !Array.isArray(lamps.lights)) throw damaged();
+    const lights = lamps.lights.map((l) => {
+        if (!vector(l.direction_world, 3) || !(Math.hypot(...l.direction_world) > 0) || !vector(l.rgb, 3) || !(l.inverse_distance_per_m >= 0) || !(l.radius_rad >= 0))
+            throw damaged();
+        const length = Math.hypot(...l.direction_world);
+        return { direction: l.direction_world.map((x) => x / length), perMetre: l.inverse_distance_per_m, radius: l.radius_rad, rgb: l.rgb };
+    });
+    return { origin: lamps.origin_world, tail: lamps.tail, fresnel: lamps.fresnel, lights };
 }
 
 async function readPicture(id: string, width: number, height: number): Promise<ImageBitmap> {
@@ -270,6 +307,7 @@ export async function readModel(progress: (share: number) => Promise<void>): Pro
         ...expanded,
         texelsPerEdge,
         ...size,
+        filled: numbers.filled === true,
         seen,
         texture: await readPicture("texture", size.width, size.height),
         ...readLights(model),
@@ -278,6 +316,7 @@ export async function readModel(progress: (share: number) => Promise<void>): Pro
         sigma: model.sigma_rad,
         lightRgb: model.light_rgb,
         shadows: model.shadows,
+        lamps: readLamps(model),
         surroundings: await readSurroundings(numbers),
         worldFromObj: model.rt_world_obj,
         boardFromObj: numbers.rt_board_obj,

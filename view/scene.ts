@@ -34,6 +34,7 @@ import {
 } from "three";
 import { makeBvh } from "./bvh";
 import { type Cells, makeCells } from "./cells";
+import { lampTable } from "./lamps";
 import { type Model, ModelError } from "./model";
 import type { More } from "./more";
 import { addShader, coverShader, encodeShader, fragmentShader, vertexShader } from "./shader";
@@ -173,9 +174,14 @@ export class Stage {
                 specularRgb: { value: new Vector3() },
                 cameraObj: { value: new Vector3() },
                 holeRgb: { value: new Vector3() },
+                filled: { value: model.filled },
                 lightFromObj: { value: new Matrix3() },
                 show: { value: new Vector2(1, 1) },
                 wire: { value: false },
+                lamps: { value: null },
+                nLamps: { value: model.lamps?.lights.length ?? 0 },
+                lampOrigin: { value: new Vector3() },
+                lampLobe: { value: new Vector3(model.lamps?.tail ?? 0, model.lamps?.fresnel ?? 0, 1) },
                 ...surroundingsUniforms(model),
             },
         });
@@ -223,6 +229,8 @@ export class Stage {
         (u.lights.value as Texture | null)?.dispose();
         u.cellRange.value = rangeTexture(cells);
         u.lights.value = tableTexture(cells.entry);
+        (u.lamps.value as Texture | null)?.dispose();
+        u.lamps.value = tableTexture(lampTable(this.model.lamps, sigma));
         u.side.value = cells.side;
         u.sigma.value = sigma;
         this.cellsSigma = sigma;
@@ -230,7 +238,7 @@ export class Stage {
 
     private setView(view: View, width: number, height: number, offset: number[]): void {
         const u = this.material.uniforms;
-        const { R, t, camera, worldFromObj, worldOrigin, lightFromObj } = poseOf(this.model, view, this.more.photographs[view.photo]?.rtCamObj);
+        const { R, t, camera, worldFromObj, worldOrigin, lightFromObj, lightOrigin } = poseOf(this.model, view, this.more.photographs[view.photo]?.rtCamObj);
         const [x, y, z] = this.model.centre;
         const depth = R[2][0] * x + R[2][1] * y + R[2][2] * z + t[2];
         const near = Math.max(depth - 1.01 * this.model.radius, 0.005 * this.model.radius);
@@ -255,6 +263,9 @@ export class Stage {
         (u.lightFromObj.value as Matrix3).set(...(lightFromObj.flat() as Parameters<Matrix3["set"]>));
         (u.worldFromObj.value as Matrix3).set(...(worldFromObj.flat() as Parameters<Matrix3["set"]>));
         (u.worldOrigin.value as Vector3).fromArray(worldOrigin);
+        const from = this.model.lamps?.origin ?? [0, 0, 0];
+        (u.lampOrigin.value as Vector3).fromArray(lightOrigin.map((x, k) => x - from[k]));
+        (u.lampLobe.value as Vector3).z = view.strength;
         const kS = this.model.kS * view.strength;
         u.leastShadowed.value = this.model.shadows && kS > 0 ? negligible / kS : shadowless;
         (u.specularRgb.value as Vector3).fromArray(this.model.lightRgb).multiplyScalar(kS);

@@ -40,6 +40,7 @@ uniform float sigma;
 uniform vec3 specularRgb; // k_S times the lights' colour
 uniform vec3 cameraObj;
 uniform vec3 holeRgb;
+uniform bool filled; // texels that no photograph saw have a colour
 uniform mat3 lightFromObj;
 uniform vec2 show; // diffuse, specular
 uniform bool wire; // edges of triangles
@@ -55,6 +56,10 @@ uniform sampler2D board; // sRGB, over boardWhite
 uniform vec4 boardPlace; // centre of pixel (0, 0), pixel size in metres (0: no board), white
 uniform vec3 tableRgb;
 uniform float f0;
+uniform sampler2D lamps; // lamps.ts
+uniform int nLamps;
+uniform vec3 lampOrigin; // from the object's origin, in the lights' frame, negative: x = lightFromObj p + lampOrigin
+uniform vec3 lampLobe; // tail, Schlick's factor, strength
 out vec4 colour;
 
 const float MIN_FACING = 0.01;
@@ -93,9 +98,14 @@ vec3 diffuseAt(int triangle, vec2 place, vec3 holeRgb) {
     t0 = texelAt(triangle, t0);
     t1 = texelAt(triangle, t1);
     t2 = texelAt(triangle, t2);
+    vec3 all = weight;
     weight *= vec3(texelFetch(seen, t0, 0).r, texelFetch(seen, t1, 0).r, texelFetch(seen, t2, 0).r);
     float sum = weight.x + weight.y + weight.z;
-    if (!(sum > 0.0)) return holeRgb;
+    if (!(sum > 0.0)) {
+        if (!filled || holeRgb.r > 0.0) return holeRgb;
+        weight = all;
+        sum = 1.0;
+    }
     return (weight.x * texelFetch(atlas, t0, 0).rgb + weight.y * texelFetch(atlas, t1, 0).rgb +
             weight.z * texelFetch(atlas, t2, 0).rgb) / sum;
 }
@@ -210,6 +220,40 @@ float lobeAt(vec3 nO, vec3 vO) {
     return sum / max(dot(n, v), LOBE_MIN_COS);
 }
 
+// A point's or a lamp's response; a2: alpha^2 (v.h)^2.
+float lampTerm(vec3 n, vec3 v, vec3 to, out float a2) {
+    vec3 l = normalize(to), sum = l + v, e = n - normalize(sum);
+    float alphas = alpha2(0.5 * dot(e, e)), s2 = sigma * sigma, vh2 = 0.25 * dot(sum, sum);
+    a2 = alphas * vh2;
+    if (dot(n, l) <= 0.0) return 0.0;
+    float wide = 1.0 / (1.0 + alphas / (4.0 * s2));
+    float lobe = (1.0 - lampLobe.x) * exp2(-alphas * 0.721347520 / s2) + lampLobe.x * wide * wide;
+    return lobe * (1.0 + lampLobe.y * pow(max(1.0 - sqrt(vh2), 0.0), 5.0)) / dot(to, to);
+}
+
+// Lamps (render/lamp.h) that the mesh does not hide.
+vec3 lampsAt(vec3 nO, vec3 vO) {
+    vec3 n = lightFromObj * nO, v = lightFromObj * vO, x = lightFromObj * pObj + lampOrigin, sum = vec3(0.0);
+    float perCos = lampLobe.z / max(dot(n, v), LOBE_MIN_COS), a2, ignored;
+    for (int i = 0; i < nLamps; i++) {
+        vec4 lamp = entry(lamps, 3 * i), points = entry(lamps, 3 * i + 2);
+        vec3 rgb = entry(lamps, 3 * i + 1).rgb, to = lamp.xyz - lamp.w * x;
+        float response = lampTerm(n, v, to, a2);
+        if (points.y > 1.0 && a2 < points.z) {
+            response = 0.0;
+            for (int k = int(points.x), end = k + int(points.y); k < end; k++)
+                response += lampTerm(n, v, entry(lamps, k).xyz - lamp.w * x, ignored);
+            response /= points.y;
+        }
+        response *= perCos;
+        if (!(response * (rgb.r + rgb.g + rgb.b) > 2e-4)) continue;
+        vec2 at;
+        if (leastShadowed < 1e29 && meets(pObj + offset * nO, normalize(to) * lightFromObj, false, at) >= 0) continue;
+        sum += response * rgb;
+    }
+    return sum;
+}
+
 vec3 specularAt() {
     vec3 vO = normalize(cameraObj - pObj);
     vec3 nO = normalize(nObj);
@@ -222,7 +266,7 @@ vec3 specularAt() {
         if (!(len > 0.0)) return vec3(0.0);
         nO = sqrt(1.0 - MIN_FACING * MIN_FACING) * (across / len) + MIN_FACING * vO;
     }
-    vec3 sum = lobeAt(nO, vO) * specularRgb;
+    vec3 sum = lobeAt(nO, vO) * specularRgb + lampsAt(nO, vO);
     if (mirrors) sum += (f0 + (1.0 - f0) * pow(1.0 - clamp(dot(nO, vO), 0.0, 1.0), 5.0)) * mirroredAt(nO, vO);
     return sum;
 }

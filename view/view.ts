@@ -77,6 +77,7 @@ export interface Pose {
     worldFromObj: Matrix3; // into the frame in which the surroundings stand
     worldOrigin: number[]; // of the object, in it
     lightFromObj: Matrix3; // the same, turned as the lights are
+    lightOrigin: number[];
 }
 
 // Where the camera of a photograph stood, as a view about the object.
@@ -112,7 +113,7 @@ export function poseOf(model: Model, view: View, photo: number[] | null = null):
     const axis = model.objectMoves ? [0, -1, 0] : [0, 0, 1];
     const back = rotation(axis.map((x) => -x * view.turn * rad));
     const worldOrigin = model.objectMoves ? t : model.worldFromObj.slice(3);
-    return { R, t, camera, worldFromObj, worldOrigin, lightFromObj: multiply(back, worldFromObj) };
+    return { R, t, camera, worldFromObj, worldOrigin, lightFromObj: multiply(back, worldFromObj), lightOrigin: apply(back, worldOrigin) };
 }
 
 function number(text: string | undefined, low: number, high: number, otherwise: number): number {

@@ -34,7 +34,7 @@ static void problem_make(problem *p, int n, double sigma_px, const double warp_m
     test_board_make(&p->board, 12, 9, 0.025, 0.72, 0, 0);
     p->n = n;
     for (int i = 0; i < n; i++) {
-        char name[16];
+        char name[24];
         double rt_cam_board[6];
         snprintf(name, sizeof name, "frame%03d", i);
         test_calibration_pose(rt_cam_board, i, 0.4);
