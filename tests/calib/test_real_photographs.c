@@ -69,7 +69,7 @@ static void compare_frame(const sheen_json *published, const char *png, const sh
     assert_ok(sheen_tags_detect(&tags, &n, detector, grey, raster.width_px, raster.height_px, &set, &err),
               err);
     for (int id = 0; id <= 10; id++) {
-        char key[8];
+        char key[16];
         double yx[8];
         snprintf(key, sizeof key, "%d", id);
         const sheen_json *tag = sheen_json_get(published, key);
