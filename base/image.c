@@ -266,3 +266,18 @@ sheen_status sheen_image_from_grey(sheen_image *out, const sheen_raster *r, shee
     free(grey);
     return s;
 }
+
+sheen_status sheen_raster_from_linear(sheen_raster *out, const sheen_image *lin, sheen_err *err)
+{
+    const sheen_status s = sheen_raster_init(out, lin->width_px, lin->height_px, lin->n_channels, 8, err);
+    const size_t n_channels = (size_t)lin->n_channels;
+    const size_t n = s ? 0 : (size_t)lin->width_px * (size_t)lin->height_px * n_channels;
+    uint8_t *to = out->data;
+    for (size_t i = 0; i < n; i++) {
+        const float x = lin->data[i], clipped = x >= 1 ? 1 : x > 0 ? x : 0;
+        const float code = i % n_channels == 3 ? clipped
+                                               : sheen_transfer_encode(SHEEN_TRANSFER_SRGB, clipped);
+        to[i] = (uint8_t)(code * 255 + 0.5f);
+    }
+    return s;
+}

@@ -67,6 +67,9 @@ void sheen_raster_release(sheen_raster *r);
 sheen_status sheen_image_from_raster(sheen_image *out, const sheen_raster *r, sheen_transfer transfer,
                                      sheen_err *err);
 
+// 8-bit sRGB of a linear image of 1, 3 or 4 channels, clipped to 0..1; alpha stays linear. ENOMEM.
+sheen_status sheen_raster_from_linear(sheen_raster *out, const sheen_image *lin, sheen_err *err);
+
 // One channel of 8-bit luma as a detector wants it: perceptual code values (linear and float
 // input is sRGB-coded after scaling its 99.5th percentile to white where it is darker).
 // out holds width_px * height_px bytes.

@@ -249,20 +249,9 @@ sheen_status sheen_png_write_srgb(const char *path, const sheen_image *lin, shee
     if (!lin->data || (lin->n_channels != 1 && lin->n_channels != 3 && lin->n_channels != 4))
         return sheen_fail(err, SHEEN_EARG, "cannot write '%s': an sRGB PNG has 1, 3 or 4 channels", path);
     sheen_raster r;
-    sheen_status s = sheen_raster_init(&r, lin->width_px, lin->height_px, lin->n_channels, 8, err);
+    sheen_status s = sheen_raster_from_linear(&r, lin, err);
     if (s)
         return s;
-    const size_t n_px = (size_t)lin->width_px * (size_t)lin->height_px, n_channels = (size_t)lin->n_channels;
-    uint8_t *out = r.data;
-    for (size_t i = 0; i < n_px; i++)
-        for (size_t c = 0; c < n_channels; c++) {
-            const float x = lin->data[i * n_channels + c];
-            const float code = c == 3 ? (x >= 1  ? 1
-                                         : x > 0 ? x
-                                                 : 0)
-                                      : sheen_transfer_encode(SHEEN_TRANSFER_SRGB, x);
-            out[i * n_channels + c] = (uint8_t)(code * 255 + 0.5f);
-        }
     s = write_png(path, &r, true, err);
     sheen_raster_release(&r);
     return s;

@@ -168,6 +168,9 @@ sheen_status sheen_session_payload(uint8_t **data_out, size_t *size_bytes, const
                                    const sheen_frame_info *f, sheen_err *err);
 sheen_status sheen_session_raster(sheen_raster *out, const sheen_session *s, const sheen_frame_info *f,
                                   sheen_err *err);
+// Its brightness as the eye divides it, 0..1, one channel.
+sheen_status sheen_session_grey(sheen_image *out, const sheen_session *s, const sheen_frame_info *f,
+                                sheen_err *err);
 // RGB, linear light.
 sheen_status sheen_session_image(sheen_image *out, const sheen_session *s, const sheen_frame_info *f,
                                  sheen_err *err);

@@ -244,6 +244,18 @@ sheen_status sheen_session_raster(sheen_raster *out, const sheen_session *s, con
     return st;
 }
 
+sheen_status sheen_session_grey(sheen_image *out, const sheen_session *s, const sheen_frame_info *f,
+                                sheen_err *err)
+{
+    sheen_raster raster;
+    sheen_status st = sheen_session_raster(&raster, s, f, err);
+    if (st)
+        return st;
+    st = sheen_image_from_grey(out, &raster, f->transfer, err);
+    sheen_raster_release(&raster);
+    return st;
+}
+
 sheen_status sheen_session_image(sheen_image *out, const sheen_session *s, const sheen_frame_info *f,
                                  sheen_err *err)
 {

@@ -47,14 +47,9 @@ void sheen_page_photos_close(sheen_page_photos *p)
 static sheen_status code(uint8_t **jpeg, size_t *jpeg_bytes, const sheen_image *lin, sheen_err *err)
 {
     sheen_raster r;
-    sheen_status st = sheen_raster_init(&r, lin->width_px, lin->height_px, 3, 8, err);
+    sheen_status st = sheen_raster_from_linear(&r, lin, err);
     if (st)
         return st;
-    const size_t n = 3 * (size_t)lin->width_px * (size_t)lin->height_px;
-    uint8_t *to = r.data;
-    for (size_t i = 0; i < n; i++)
-        to[i] = (uint8_t)lrintf(255.0f *
-                                sheen_transfer_encode(SHEEN_TRANSFER_SRGB, fminf(fmaxf(lin->data[i], 0), 1)));
     st = sheen_jpeg_encode(jpeg, jpeg_bytes, &r, QUALITY, err);
     sheen_raster_release(&r);
     return st;

@@ -12,6 +12,7 @@
 #include "base/vec.h"
 #include "calib/cholesky.h"
 #include "pose/board_pose.h"
+#include "pose/board_survey_private.h"
 #include "pose/pose_tangent.h"
 
 enum { MAX_STEPS = 12, ROUNDS = 10 };
@@ -25,42 +26,13 @@ static const double MOVED_TOGETHER =
 static const double AGREE_M = 0.003; // two ties of a board agree within this
 static const double AGREE_RAD = 0.02;
 
-// What one frame shows of one board.
-typedef struct group {
-    const sheen_board_view *view;
-    bool posed, counts, moved;
-    sheen_Rt Rt_cam_board;    // from this board alone
-    bool *use;                // [view->n_saddles]
-    double *error_px;         // likewise
-    double own_px, median_px; // median error by a pose of its own (expected), and by the common one
-} group;
-
-typedef struct problem {
-    const sheen_camera *camera;
-    size_t n_frames, n_boards;
-    group *groups;          // [n_frames][n_boards]
-    sheen_Rt *Rt_cam_ref;   // [n_frames]
-    bool *framed;           // [n_frames]
-    sheen_Rt *Rt_ref_board; // [n_boards]
-    bool *tied;             // [n_boards]
-    double *S, *rhs;        // [6 n_boards][6 n_boards]; the first board's rows are kept at the identity
-    double *V, *W, *g;      // [n_frames]: 36, 6 x 6 n_boards, 6
-    double chi2;
-    size_t n_points;
-} problem;
-
 static int ascending(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
 }
 
-static group *at(const problem *p, size_t frame, size_t board)
-{
-    return &p->groups[frame * p->n_boards + board];
-}
-
-static void release(problem *p)
+static void release(sheen_survey_problem *p)
 {
     for (size_t i = 0; p->groups && i < p->n_frames * p->n_boards; i++) {
         free(p->groups[i].use);
@@ -75,7 +47,7 @@ static void release(problem *p)
     free(p->V);
 }
 
-static sheen_status allocate(problem *p, sheen_err *err)
+static sheen_status allocate(sheen_survey_problem *p, sheen_err *err)
 {
     const size_t f = p->n_frames, b = p->n_boards, n = 6 * b;
     p->groups = calloc(f * b + 1, sizeof *p->groups);
@@ -94,12 +66,12 @@ static sheen_status allocate(problem *p, sheen_err *err)
 }
 
 // Every board of every frame by itself.
-static sheen_status pose_groups(problem *p, const sheen_board_set *boards, const sheen_board_view *views,
-                                sheen_survey *out, sheen_err *err)
+static sheen_status pose_groups(sheen_survey_problem *p, const sheen_board_set *boards,
+                                const sheen_board_view *views, sheen_survey *out, sheen_err *err)
 {
     for (size_t f = 0; f < p->n_frames; f++)
         for (size_t b = 0; b < p->n_boards; b++) {
-            group *g = at(p, f, b);
+            sheen_survey_group *g = sheen_survey_at(p, f, b);
             sheen_board_pose pose;
             sheen_err why = {0};
             g->view = &views[f * p->n_boards + b];
@@ -123,11 +95,11 @@ static sheen_status pose_groups(problem *p, const sheen_board_set *boards, const
 }
 
 // Where board b is by frame f's two single poses.
-static void tie(sheen_Rt *Rt_ref_b, const problem *p, size_t f, size_t a, size_t b)
+static void tie(sheen_Rt *Rt_ref_b, const sheen_survey_problem *p, size_t f, size_t a, size_t b)
 {
     sheen_Rt inverse, a_b;
-    sheen_Rt_invert(&inverse, &at(p, f, a)->Rt_cam_board);
-    sheen_Rt_compose(&a_b, &inverse, &at(p, f, b)->Rt_cam_board);
+    sheen_Rt_invert(&inverse, &sheen_survey_at(p, f, a)->Rt_cam_board);
+    sheen_Rt_compose(&a_b, &inverse, &sheen_survey_at(p, f, b)->Rt_cam_board);
     sheen_Rt_compose(Rt_ref_b, &p->Rt_ref_board[a], &a_b);
 }
 
@@ -139,20 +111,21 @@ static bool agree(const sheen_Rt *x, const sheen_Rt *y)
 }
 
 // Ties board b to those that are tied, by the frame with which most others agree. Returns how many do.
-static int tie_board(problem *p, size_t b)
+static int tie_board(sheen_survey_problem *p, size_t b)
 {
     int best = 0;
     sheen_Rt best_Rt = {.t = {0}};
     for (size_t f = 0; f < p->n_frames; f++)
         for (size_t a = 0; a < p->n_boards; a++) {
-            if (!p->tied[a] || !at(p, f, a)->posed || !at(p, f, b)->posed)
+            if (!p->tied[a] || !sheen_survey_at(p, f, a)->posed || !sheen_survey_at(p, f, b)->posed)
                 continue;
             sheen_Rt here, other;
             int votes = 0;
             tie(&here, p, f, a, b);
             for (size_t f2 = 0; f2 < p->n_frames; f2++)
                 for (size_t a2 = 0; a2 < p->n_boards; a2++)
-                    if (p->tied[a2] && at(p, f2, a2)->posed && at(p, f2, b)->posed) {
+                    if (p->tied[a2] && sheen_survey_at(p, f2, a2)->posed &&
+                        sheen_survey_at(p, f2, b)->posed) {
                         tie(&other, p, f2, a2, b);
                         votes += agree(&here, &other);
                     }
@@ -167,7 +140,7 @@ static int tie_board(problem *p, size_t b)
 }
 
 // Boards from the first outwards, those with most ties first; then each frame by the board that shows most.
-static void start(problem *p)
+static void start(sheen_survey_problem *p)
 {
     sheen_Rt_from_rt(&p->Rt_ref_board[0], (const double[6]){0});
     p->tied[0] = true;
@@ -189,19 +162,19 @@ static void start(problem *p)
         // the frame's pose by each of its boards; that with which most points of all boards agree
         int most = 0;
         for (size_t b = 0; b < p->n_boards; b++) {
-            if (!p->tied[b] || !at(p, f, b)->posed)
+            if (!p->tied[b] || !sheen_survey_at(p, f, b)->posed)
                 continue;
             sheen_Rt inverse, here;
             int votes = 0;
             sheen_Rt_invert(&inverse, &p->Rt_ref_board[b]);
-            sheen_Rt_compose(&here, &at(p, f, b)->Rt_cam_board, &inverse);
+            sheen_Rt_compose(&here, &sheen_survey_at(p, f, b)->Rt_cam_board, &inverse);
             for (size_t b2 = 0; b2 < p->n_boards; b2++) {
                 sheen_Rt by_other;
-                if (!p->tied[b2] || !at(p, f, b2)->posed)
+                if (!p->tied[b2] || !sheen_survey_at(p, f, b2)->posed)
                     continue;
                 sheen_Rt_compose(&by_other, &here, &p->Rt_ref_board[b2]);
-                if (agree(&by_other, &at(p, f, b2)->Rt_cam_board))
-                    votes += (int)at(p, f, b2)->view->n_saddles;
+                if (agree(&by_other, &sheen_survey_at(p, f, b2)->Rt_cam_board))
+                    votes += (int)sheen_survey_at(p, f, b2)->view->n_saddles;
             }
             if (votes > most) {
                 most = votes;
@@ -210,12 +183,13 @@ static void start(problem *p)
             }
         }
         for (size_t b = 0; b < p->n_boards; b++)
-            at(p, f, b)->counts = p->framed[f] && p->tied[b] && at(p, f, b)->posed;
+            sheen_survey_at(p, f, b)->counts = p->framed[f] && p->tied[b] && sheen_survey_at(p, f, b)->posed;
     }
 }
 
 // Adds J' J and J' e of one coordinate: 6 columns of the frame, 6 of the board.
-static void add_row(problem *p, size_t f, size_t b, const double Jf[6], const double Jb[6], double e)
+static void add_row(sheen_survey_problem *p, size_t f, size_t b, const double Jf[6], const double Jb[6],
+                    double e)
 {
     const size_t n = 6 * p->n_boards;
     for (size_t u = 0; u < 6; u++) {
@@ -233,9 +207,9 @@ static void add_row(problem *p, size_t f, size_t b, const double Jf[6], const do
 }
 
 // Errors of a group, and, where it counts, its share of the equations.
-static sheen_status add_group(problem *p, size_t f, size_t b, bool equations, sheen_err *err)
+static sheen_status add_group(sheen_survey_problem *p, size_t f, size_t b, bool equations, sheen_err *err)
 {
-    group *g = at(p, f, b);
+    sheen_survey_group *g = sheen_survey_at(p, f, b);
     const sheen_Rt *Rf = &p->Rt_cam_ref[f], *Rb = &p->Rt_ref_board[b];
     for (size_t i = 0; i < g->view->n_saddles; i++) {
         double p_ref[3], p_cam[3], q[2], dq[6], turned_b[3], turned_f[3];
@@ -267,7 +241,7 @@ static sheen_status add_group(problem *p, size_t f, size_t b, bool equations, sh
     return SHEEN_OK;
 }
 
-static sheen_status linearise(problem *p, sheen_err *err)
+static sheen_status linearise(sheen_survey_problem *p, sheen_err *err)
 {
     const size_t n = 6 * p->n_boards;
     memset(p->S, 0, (n * n + n) * sizeof *p->S);
@@ -284,7 +258,7 @@ static sheen_status linearise(problem *p, sheen_err *err)
 }
 
 // Eliminates the frames; S becomes its Cholesky factor. Boards without points, and the first, stay where they are.
-static bool reduce(problem *p)
+static bool reduce(sheen_survey_problem *p)
 {
     const size_t n = 6 * p->n_boards;
     for (size_t f = 0; f < p->n_frames; f++) {
@@ -318,7 +292,7 @@ static bool reduce(problem *p)
 }
 
 // One step of all; the size of its largest part, metres or radians.
-static double step_all(problem *p)
+static double step_all(sheen_survey_problem *p)
 {
     const size_t n = 6 * p->n_boards;
     double largest = 0;
@@ -347,7 +321,7 @@ static double step_all(problem *p)
     return largest;
 }
 
-static sheen_status optimise(problem *p, sheen_err *err)
+static sheen_status optimise(sheen_survey_problem *p, sheen_err *err)
 {
     for (int i = 0; i < MAX_STEPS; i++) {
         const sheen_status s = linearise(p, err);
@@ -365,10 +339,10 @@ static sheen_status optimise(problem *p, sheen_err *err)
     return SHEEN_OK;
 }
 
-static void median_errors(problem *p)
+static void median_errors(sheen_survey_problem *p)
 {
     for (size_t i = 0; i < p->n_frames * p->n_boards; i++) {
-        group *g = &p->groups[i];
+        sheen_survey_group *g = &p->groups[i];
         const size_t n = g->view->n_saddles;
         memcpy(g->error_px + n, g->error_px, n * sizeof *g->error_px);
         qsort(g->error_px + n, n, sizeof *g->error_px, ascending);
@@ -378,19 +352,19 @@ static void median_errors(problem *p)
 
 // Leaves out groups that stand elsewhere: of each board only those that are nearly the worst, as the others may be
 // misfits only because of them. True where there are any.
-static bool leave_out_moved(problem *p)
+static bool leave_out_moved(sheen_survey_problem *p)
 {
     bool changed = false;
     for (size_t b = 0; b < p->n_boards; b++) {
         double worst_px = 0;
         for (size_t f = 0; f < p->n_frames; f++)
-            if (at(p, f, b)->counts && p->framed[f])
-                worst_px = fmax(worst_px, at(p, f, b)->median_px);
+            if (sheen_survey_at(p, f, b)->counts && p->framed[f])
+                worst_px = fmax(worst_px, sheen_survey_at(p, f, b)->median_px);
         for (size_t f = 0; f < p->n_frames; f++) {
-            group *g = at(p, f, b);
+            sheen_survey_group *g = sheen_survey_at(p, f, b);
             size_t n_counting = 0;
             for (size_t b2 = 0; b2 < p->n_boards; b2++)
-                n_counting += at(p, f, b2)->counts;
+                n_counting += sheen_survey_at(p, f, b2)->counts;
             if (g->counts && p->framed[f] && n_counting > 1 && g->median_px >= MOVED_TOGETHER * worst_px &&
                 g->median_px > fmax(MOVED_PX, MOVED_MEDIANS * g->own_px)) {
                 g->counts = false;
@@ -402,14 +376,14 @@ static bool leave_out_moved(problem *p)
 }
 
 // Judges all points anew, board by board; true where anything changed.
-static bool choose(problem *p)
+static bool choose(sheen_survey_problem *p)
 {
     median_errors(p);
     if (leave_out_moved(p))
         return true;
     bool changed = false;
     for (size_t i = 0; i < p->n_frames * p->n_boards; i++) {
-        group *g = &p->groups[i];
+        sheen_survey_group *g = &p->groups[i];
         const double limit_px = fmax(REJECT_FLOOR_PX, REJECT_MEDIANS * g->median_px);
         for (size_t k = 0; k < g->view->n_saddles && g->counts; k++) {
             const bool use = g->error_px[k] <= limit_px;
@@ -421,11 +395,11 @@ static bool choose(problem *p)
 }
 
 // Boards that stand elsewhere in a frame, before all is fitted together: their single poses disagree.
-static void part_moved(problem *p)
+static void part_moved(sheen_survey_problem *p)
 {
     for (size_t f = 0; f < p->n_frames; f++)
         for (size_t b = 0; b < p->n_boards; b++) {
-            group *g = at(p, f, b);
+            sheen_survey_group *g = sheen_survey_at(p, f, b);
             sheen_Rt expected;
             if (!g->counts)
                 continue;
@@ -437,107 +411,7 @@ static void part_moved(problem *p)
         }
 }
 
-static void report_board(sheen_survey_board *out, const problem *p, size_t b, double sigma2,
-                         const double *S_inverse)
-{
-    const size_t n = 6 * p->n_boards;
-    out->found = p->tied[b];
-    sheen_rt_from_Rt(out->rt_ref_board, &p->Rt_ref_board[b]);
-    for (size_t f = 0; f < p->n_frames; f++) {
-        const group *g = at(p, f, b);
-        out->n_frames += g->counts && p->framed[f];
-        if (!g->moved || !p->framed[f])
-            continue;
-        sheen_Rt inverse, here;
-        double wd[6];
-        out->n_moved++;
-        sheen_Rt_invert(&inverse, &p->Rt_cam_ref[f]);
-        sheen_Rt_compose(&here, &inverse, &g->Rt_cam_board);
-        sheen_pose_difference(wd, &here, &p->Rt_ref_board[b]);
-        out->moved_rad = sheen_norm(wd);
-        out->moved_m = sheen_norm(wd + 3);
-    }
-    if (!out->found)
-        snprintf(out->reason, sizeof out->reason,
-                 "no frame shows it together with a board whose place is known");
-    else if (out->n_moved)
-        snprintf(out->reason, sizeof out->reason,
-                 "was moved: in %d of %d frames it stands elsewhere, %.1f mm and %.1f "
-                 "degrees away in the last",
-                 out->n_moved, out->n_moved + out->n_frames, 1e3 * out->moved_m,
-                 out->moved_rad * 57.29577951308232);
-    if (b && out->found) {
-        double C[36];
-        for (size_t u = 0; u < 6; u++)
-            for (size_t v = 0; v < 6; v++)
-                C[6 * u + v] = sigma2 * S_inverse[(6 * b + u) * n + 6 * b + v];
-        sheen_pose_covariance_of_rt(out->covariance, out->rt_ref_board, C);
-    }
-}
-
-// V^-1 + V^-1 W S^-1 W' V^-1
-static void frame_covariance(double C[36], const problem *p, size_t f, double sigma2, const double *S_inverse)
-{
-    const size_t n = 6 * p->n_boards;
-    double VW[6][6];
-    sheen_cholesky_invert(C, p->V + 36 * f, 6);
-    double inverse[36];
-    memcpy(inverse, C, sizeof inverse);
-    for (size_t b = 1; b < p->n_boards; b++)
-        for (size_t b2 = 1; b2 < p->n_boards; b2++) {
-            double right[6][6] = {{0}}, middle[6][6] = {{0}};
-            memset(VW, 0, sizeof VW);
-            for (size_t u = 0; u < 6; u++)
-                for (size_t v = 0; v < 6; v++)
-                    for (size_t k = 0; k < 6; k++) {
-                        VW[u][v] += inverse[6 * u + k] * p->W[f * 6 * n + k * n + 6 * b + v];
-                        right[u][v] += inverse[6 * u + k] * p->W[f * 6 * n + k * n + 6 * b2 + v];
-                    }
-            for (size_t u = 0; u < 6; u++)
-                for (size_t v = 0; v < 6; v++)
-                    for (size_t k = 0; k < 6; k++)
-                        middle[u][v] += VW[u][k] * S_inverse[(6 * b + k) * n + 6 * b2 + v];
-            for (size_t u = 0; u < 6; u++)
-                for (size_t v = 0; v < 6; v++)
-                    for (size_t k = 0; k < 6; k++)
-                        C[6 * u + v] += middle[u][k] * right[v][k];
-        }
-    for (int i = 0; i < 36; i++)
-        C[i] *= sigma2;
-}
-
-static void report_frame(sheen_survey_frame *out, const problem *p, size_t f, double sigma2,
-                         const double *S_inverse)
-{
-    double sum = 0, C[36];
-    out->found = p->framed[f];
-    if (!out->found) {
-        if (!out->reason[0])
-            snprintf(out->reason, sizeof out->reason, "no board in view");
-        return;
-    }
-    out->reason[0] = 0;
-    sheen_rt_from_Rt(out->rt_cam_ref, &p->Rt_cam_ref[f]);
-    int n_moved = 0;
-    for (size_t b = 0; b < p->n_boards; b++) {
-        const group *g = at(p, f, b);
-        n_moved += g->moved;
-        out->n_boards += g->counts;
-        for (size_t i = 0; i < g->view->n_saddles && g->counts; i++) {
-            out->n_points += g->use[i];
-            out->n_outliers += !g->use[i];
-            sum += g->use[i] ? g->error_px[i] * g->error_px[i] : 0;
-        }
-    }
-    out->rms_px = sqrt(sum / (2 * fmax(1, out->n_points)));
-    frame_covariance(C, p, f, fmax(sigma2, out->rms_px * out->rms_px), S_inverse);
-    sheen_pose_covariance_of_rt(out->covariance, out->rt_cam_ref, C);
-    if (n_moved)
-        snprintf(out->reason, sizeof out->reason, "%d board%s moved and left out", n_moved,
-                 n_moved > 1 ? "s were" : " was");
-}
-
-static sheen_status finish(sheen_survey *out, problem *p, sheen_err *err)
+static sheen_status finish(sheen_survey *out, sheen_survey_problem *p, sheen_err *err)
 {
     const size_t n = 6 * p->n_boards;
     double *S_inverse = malloc((n * n + 1) * sizeof *S_inverse);
@@ -557,15 +431,15 @@ static sheen_status finish(sheen_survey *out, problem *p, sheen_err *err)
         out->rms_px = sqrt(p->chi2 / (2 * fmax(1, (double)p->n_points)));
         sheen_cholesky_invert(S_inverse, p->S, (int)n);
         for (size_t b = 0; b < p->n_boards; b++)
-            report_board(&out->boards[b], p, b, sigma2, S_inverse);
+            sheen_survey_report_board(&out->boards[b], p, b, sigma2, S_inverse);
         for (size_t f = 0; f < p->n_frames; f++)
-            report_frame(&out->frames[f], p, f, sigma2, S_inverse);
+            sheen_survey_report_frame(&out->frames[f], p, f, sigma2, S_inverse);
     }
     free(S_inverse);
     return s;
 }
 
-static sheen_status solve(sheen_survey *out, problem *p, sheen_err *err)
+static sheen_status solve(sheen_survey *out, sheen_survey_problem *p, sheen_err *err)
 {
     size_t n_framed = 0;
     start(p);
@@ -588,7 +462,7 @@ static sheen_status solve(sheen_survey *out, problem *p, sheen_err *err)
 sheen_status sheen_survey_solve(sheen_survey *out, const sheen_camera *camera, const sheen_board_set *boards,
                                 const sheen_board_view *views, size_t n_frames, sheen_err *err)
 {
-    problem p = {.camera = camera, .n_frames = n_frames, .n_boards = boards->n_boards};
+    sheen_survey_problem p = {.camera = camera, .n_frames = n_frames, .n_boards = boards->n_boards};
     *out = (sheen_survey){.n_boards = boards->n_boards, .n_frames = n_frames};
     out->boards = calloc(out->n_boards + 1, sizeof *out->boards);
     out->frames = calloc(n_frames + 1, sizeof *out->frames);

@@ -188,18 +188,6 @@ sheen_status sheen_moved_find(sheen_moved_verdict *out, const sheen_camera *came
     return SHEEN_OK;
 }
 
-static sheen_status load_light(sheen_image *out, const sheen_session *s, const sheen_frame_info *f,
-                               sheen_err *err)
-{
-    sheen_raster raster;
-    sheen_status st = sheen_session_raster(&raster, s, f, err);
-    if (st)
-        return st;
-    st = sheen_image_from_grey(out, &raster, f->transfer, err);
-    sheen_raster_release(&raster);
-    return st;
-}
-
 sheen_status sheen_moved_in_session(sheen_moved_verdict *out, const sheen_session *s,
                                     const sheen_camera *camera, const sheen_board *board,
                                     const sheen_poses *poses, size_t most, sheen_err *err)
@@ -223,7 +211,7 @@ sheen_status sheen_moved_in_session(sheen_moved_verdict *out, const sheen_sessio
         memcpy(f->covariance, p->covariance, sizeof f->covariance);
         f->asked_rad = s->frames[i].table_asked_deg * 3.14159265358979323846 / 180;
         sheen_image_release(&lights[n % 2]);
-        st = load_light(&lights[n % 2], s, &s->frames[i], err);
+        st = sheen_session_grey(&lights[n % 2], s, &s->frames[i], err);
         f->light = &lights[n % 2];
         if (!st && n)
             st = compare_pair(&v, camera, half_m, height_m, &frames[n - 1], f, err);

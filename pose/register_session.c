@@ -41,19 +41,6 @@ static sheen_status load_files(inputs *in, const sheen_session *s, sheen_err *er
     return st ? st : sheen_poses_load(&in->poses, s, err);
 }
 
-// Brightness as the eye divides it, 0..1.
-static sheen_status load_light(sheen_image *out, const sheen_session *s, const sheen_frame_info *f,
-                               sheen_err *err)
-{
-    sheen_raster raster;
-    sheen_status st = sheen_session_raster(&raster, s, f, err);
-    if (st)
-        return st;
-    st = sheen_image_from_grey(out, &raster, f->transfer, err);
-    sheen_raster_release(&raster);
-    return st;
-}
-
 // The frames to look at: input frames with a pose, at most MAX_VIEWS of them, evenly chosen.
 static sheen_status load_views(inputs *in, const sheen_session *s, sheen_err *err)
 {
@@ -79,7 +66,7 @@ static sheen_status load_views(inputs *in, const sheen_session *s, sheen_err *er
                               in->camera.width_px, in->camera.height_px);
         sheen_status st = sheen_session_mask(&v->mask, s, v->frame, err);
         if (!st)
-            st = load_light(&v->light, s, v->frame, err);
+            st = sheen_session_grey(&v->light, s, v->frame, err);
         if (st)
             return st;
         in->n_masks += v->mask.data != NULL;

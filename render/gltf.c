@@ -187,14 +187,9 @@ static sheen_status code_picture(uint8_t **jpeg, size_t *jpeg_bytes, const sheen
                                  sheen_err *err)
 {
     sheen_raster coded;
-    sheen_status s = sheen_raster_init(&coded, lin->width_px, lin->height_px, 3, 8, err);
+    sheen_status s = sheen_raster_from_linear(&coded, lin, err);
     if (s)
         return s;
-    const size_t n = 3 * (size_t)lin->width_px * (size_t)lin->height_px;
-    uint8_t *to = coded.data;
-    for (size_t i = 0; i < n; i++)
-        to[i] = (uint8_t)lrintf(255.0f *
-                                sheen_transfer_encode(SHEEN_TRANSFER_SRGB, fminf(fmaxf(lin->data[i], 0), 1)));
     s = sheen_jpeg_encode(jpeg, jpeg_bytes, &coded, quality, err);
     sheen_raster_release(&coded);
     return s;
