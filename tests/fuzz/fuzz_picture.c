@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// fuzz_exr.c - any bytes as a picture: decoded, probed, turned into light and grey.
+// fuzz_picture.c - any bytes as a picture of any format: decoded, probed, turned into light and grey.
 #include <stdlib.h>
 
 #include "base/image_file.h"

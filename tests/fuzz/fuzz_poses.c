@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// fuzz_transforms.c - any bytes as a file of poses: what is read is finite and refers to what is there.
+// fuzz_poses.c - any bytes as a file of poses, read by PARSE: what is read is finite and refers to what is there.
 #include <math.h>
 #include <stdlib.h>
 
@@ -9,7 +9,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size_bytes)
 {
     sheen_err err;
     sheen_pose_file p;
-    if (sheen_transforms_parse(&p, data, size_bytes, &err))
+    if (PARSE(&p, data, size_bytes, &err))
         return 0;
     if (!p.n_views)
         abort();

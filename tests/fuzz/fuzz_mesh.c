@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// fuzz_ply.c - any bytes as a mesh: what is read holds what mesh.h promises.
+// fuzz_mesh.c - any bytes as a mesh in a file of name MESH_NAME: what is read holds what mesh.h promises.
 #include <math.h>
 #include <stdlib.h>
 
@@ -9,7 +9,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size_bytes)
 {
     sheen_err err;
     sheen_mesh mesh;
-    if (sheen_mesh_parse(&mesh, data, size_bytes, "mesh.ply", &err))
+    if (sheen_mesh_parse(&mesh, data, size_bytes, MESH_NAME, &err))
         return 0;
     for (size_t i = 0; i < 3 * mesh.n_triangles; i++)
         if (mesh.triangles[i] >= mesh.n_vertices)
