@@ -3,7 +3,6 @@
 #include "base/camera.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +10,7 @@
 #include "base/camera_private.h"
 #include "base/file.h"
 #include "base/image.h"
+#include "base/text.h"
 
 #define SHEEN_CAMERA_TAKEN_BY "# taken by: "
 
@@ -99,46 +99,26 @@ sheen_status sheen_camera_load(sheen_camera *cam, const char *path, sheen_err *e
     return s ? sheen_wrap(err, s, "cannot read '%s'", path) : SHEEN_OK;
 }
 
-// A text that grows within a buffer of fixed size; `fits` turns false where it would not.
-typedef struct text {
-    char *data;
-    size_t size_bytes, used_bytes;
-    int fits;
-} text;
-
-static void add(text *t, const char *fmt, ...) SHEEN_PRINTF(2, 3);
-
-static void add(text *t, const char *fmt, ...)
+static void add_numbers(sheen_text *t, const char *key, const double *x, int n)
 {
-    va_list args;
-    va_start(args, fmt);
-    const size_t room = t->size_bytes - t->used_bytes;
-    const int n = vsnprintf(t->data + t->used_bytes, room, fmt, args);
-    va_end(args);
-    if (n < 0 || (size_t)n >= room)
-        t->fits = 0;
-    else
-        t->used_bytes += (size_t)n;
-}
-
-static void add_numbers(text *t, const char *key, const double *x, int n)
-{
-    add(t, "    '%s': [", key);
+    sheen_text_put(t, "    '%s': [", key);
     for (int i = 0; i < n; i++)
-        add(t, " %.17g,", x[i]);
-    add(t, "],\n");
+        sheen_text_put(t, " %.17g,", x[i]);
+    sheen_text_put(t, "],\n");
 }
 
-static void add_extras(text *t, const sheen_camera_extras *extras)
+static void add_extras(sheen_text *t, const sheen_camera_extras *extras)
 {
     if (extras->n_region) {
-        add(t, "\n    'valid_intrinsics_region': [\n");
+        sheen_text_put(t, "\n    'valid_intrinsics_region': [\n");
         for (size_t i = 0; i < extras->n_region; i++)
-            add(t, "    [ %.10g, %.10g ],\n", extras->region_px[2 * i], extras->region_px[2 * i + 1]);
-        add(t, "    ],\n");
+            sheen_text_put(t, "    [ %.10g, %.10g ],\n", extras->region_px[2 * i],
+                           extras->region_px[2 * i + 1]);
+        sheen_text_put(t, "    ],\n");
     }
     if (extras->optimization_inputs)
-        add(t,
+        sheen_text_put(
+            t,
             "\n    # the solve that made this camera, for mrcal's tools: it holds as long as the intrinsics "
             "do\n"
             "    'icam_intrinsics': 0,\n    'optimization_inputs': b'%s',\n",
@@ -149,32 +129,23 @@ static void add_extras(text *t, const sheen_camera_extras *extras)
 sheen_status sheen_camera_save_with(const sheen_camera *cam, const sheen_camera_extras *extras,
                                     const char *path, sheen_err *err)
 {
-    sheen_status s = sheen_camera_check(cam, err);
+    const sheen_status s = sheen_camera_check(cam, err);
     if (s)
         return s;
-    const size_t inputs_bytes = extras->optimization_inputs ? strlen(extras->optimization_inputs) : 0;
-    text t = {.size_bytes = 2048 + 32 * (size_t)(cam->n_intrinsics + 6) + 64 * extras->n_region +
-                            inputs_bytes,
-              .fits = 1};
-    t.data = malloc(t.size_bytes);
-    if (!t.data)
-        return sheen_fail_memory(err, (double)t.size_bytes, path);
+    sheen_text t = {0};
     if (cam->taken_by[0])
-        add(&t, "%s%s\n", SHEEN_CAMERA_TAKEN_BY, cam->taken_by);
+        sheen_text_put(&t, "%s%s\n", SHEEN_CAMERA_TAKEN_BY, cam->taken_by);
     if (extras->note)
-        add(&t, "# %.500s\n", extras->note);
-    add(&t, "{\n    'lensmodel':  '%s',\n\n", cam->lensmodel);
-    add(&t, "    # intrinsics are fx,fy,cx,cy,distortion0,distortion1,....\n");
+        sheen_text_put(&t, "# %.500s\n", extras->note);
+    sheen_text_put(&t, "{\n    'lensmodel':  '%s',\n\n", cam->lensmodel);
+    sheen_text_put(&t, "    # intrinsics are fx,fy,cx,cy,distortion0,distortion1,....\n");
     add_numbers(&t, "intrinsics", cam->intrinsics, cam->n_intrinsics);
-    add(&t, "\n    # extrinsics are rt_fromref\n");
+    sheen_text_put(&t, "\n    # extrinsics are rt_fromref\n");
     add_numbers(&t, "extrinsics", cam->rt_cam_ref, 6);
-    add(&t, "\n    'imagersize': [ %d, %d,],\n", cam->width_px, cam->height_px);
+    sheen_text_put(&t, "\n    'imagersize': [ %d, %d,],\n", cam->width_px, cam->height_px);
     add_extras(&t, extras);
-    add(&t, "}\n");
-    s = t.fits ? sheen_file_write(path, t.data, t.used_bytes, err)
-               : sheen_fail(err, SHEEN_EARG, "camera is too large to write to '%s'", path);
-    free(t.data);
-    return s;
+    sheen_text_put(&t, "}\n");
+    return sheen_text_save(&t, path, err);
 }
 
 sheen_status sheen_camera_save(const sheen_camera *cam, const char *path, sheen_err *err)

@@ -8,25 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
-
 static void append(sheen_json_writer *w, const char *text, size_t n)
 {
-    if (w->failed)
-        return;
-    if (w->size_bytes + n + 1 > w->capacity_bytes) {
-        const size_t capacity = 2 * (w->size_bytes + n) + 256;
-        char *grown = realloc(w->text, capacity);
-        if (!grown) {
-            w->failed = true;
-            return;
-        }
-        w->text = grown;
-        w->capacity_bytes = capacity;
-    }
-    memcpy(w->text + w->size_bytes, text, n);
-    w->size_bytes += n;
-    w->text[w->size_bytes] = 0;
+    sheen_text_append(&w->text, text, n);
 }
 
 static void append_text(sheen_json_writer *w, const char *text)
@@ -148,21 +132,20 @@ void sheen_json_put_numbers(sheen_json_writer *w, const char *key, const double 
 
 const char *sheen_json_text(sheen_json_writer *w)
 {
-    return w->failed ? NULL : w->text ? w->text : "";
+    return sheen_text_string(&w->text);
 }
 
 sheen_status sheen_json_save(sheen_json_writer *w, const char *path, sheen_err *err)
 {
     assert(!w->depth);
     append(w, "\n", 1);
-    const sheen_status s = w->failed ? sheen_fail(err, SHEEN_ENOMEM, "out of memory while writing '%s'", path)
-                                     : sheen_file_write(path, w->text, w->size_bytes, err);
+    const sheen_status s = sheen_text_save(&w->text, path, err);
     sheen_json_writer_release(w);
     return s;
 }
 
 void sheen_json_writer_release(sheen_json_writer *w)
 {
-    free(w->text);
+    sheen_text_release(&w->text);
     *w = (sheen_json_writer){0};
 }

@@ -18,18 +18,17 @@
 #include <stddef.h>
 
 #include "base/status.h"
+#include "base/text.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 typedef struct sheen_json_writer {
-    char *text;
-    size_t size_bytes, capacity_bytes;
+    sheen_text text;
     char closers[32]; // of the open objects and arrays, innermost last
     int depth;
     bool has_member[33];
-    bool failed; // out of memory
 } sheen_json_writer;
 
 void sheen_json_open(sheen_json_writer *w, const char *key, char bracket); // '{' or '['

@@ -1,49 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // pose_file_colmap_write.c - a COLMAP text model: cameras.txt, images.txt, points3D.txt (pixel centres at 0.5).
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
 #include "base/pose3.h"
 #include "base/pose_file.h"
+#include "base/text.h"
 
-enum { LINE_BYTES = 640 }; // of the longest line
-
-typedef struct text {
-    char *data;
-    size_t size_bytes, room_bytes;
-} text;
-
-static void put(text *t, const char *fmt, ...) SHEEN_PRINTF(2, 3);
-
-// The room was counted in lines before.
-static void put(text *t, const char *fmt, ...)
-{
-    va_list args;
-    va_start(args, fmt);
-    const int n = vsnprintf(t->data + t->size_bytes, t->room_bytes - t->size_bytes, fmt, args);
-    va_end(args);
-    if (n > 0)
-        t->size_bytes += (size_t)n;
-}
-
-static sheen_status begin(text *t, size_t n_lines, sheen_err *err)
-{
-    *t = (text){.room_bytes = (n_lines + 4) * LINE_BYTES};
-    t->data = malloc(t->room_bytes);
-    return t->data ? SHEEN_OK : sheen_fail_memory(err, (double)t->room_bytes, "a COLMAP model");
-}
-
-static sheen_status end(text *t, const char *dir, const char *name, sheen_err *err)
+static sheen_status save(sheen_text *t, const char *dir, const char *name, sheen_err *err)
 {
     char path[SHEEN_PATH_MAX];
-    sheen_status s = sheen_path_join(path, dir, name, err);
+    const sheen_status s = sheen_path_join(path, dir, name, err);
     if (!s)
-        s = sheen_file_write(path, t->data, t->size_bytes, err);
-    free(t->data);
+        return sheen_text_save(t, path, err);
+    sheen_text_release(t);
     return s;
 }
 
@@ -76,48 +47,40 @@ static const char *model_name(const sheen_camera *cam)
 
 static sheen_status save_camera(const char *dir, const sheen_camera *cam, sheen_err *err)
 {
-    text t;
-    const sheen_status s = begin(&t, 1, err);
-    if (s)
-        return s;
-    put(&t, "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n1 %s %d %d", model_name(cam), cam->width_px,
-        cam->height_px);
+    sheen_text t = {0};
+    sheen_text_put(&t, "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n1 %s %d %d", model_name(cam), cam->width_px,
+                   cam->height_px);
     for (int i = 0; i < cam->n_intrinsics; i++)
-        put(&t, " %.17g", cam->intrinsics[i] + (i == 2 || i == 3 ? 0.5 : 0));
-    put(&t, "\n");
-    return end(&t, dir, "cameras.txt", err);
+        sheen_text_put(&t, " %.17g", cam->intrinsics[i] + (i == 2 || i == 3 ? 0.5 : 0));
+    sheen_text_put(&t, "\n");
+    return save(&t, dir, "cameras.txt", err);
 }
 
 static sheen_status save_views(const char *dir, const sheen_view *views, size_t n_views, sheen_err *err)
 {
-    text t;
-    const sheen_status s = begin(&t, 2 * n_views, err);
-    if (s)
-        return s;
-    put(&t, "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, and a line of POINTS2D[] (none)\n");
+    sheen_text t = {0};
+    sheen_text_put(&t, "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, and a line of POINTS2D[] (none)\n");
     for (size_t i = 0; i < n_views; i++) {
         sheen_Rt Rt;
         double q[4];
         sheen_Rt_from_rt(&Rt, views[i].rt_cam_world);
         quaternion_of(q, Rt.R);
-        put(&t, "%zu %.17g %.17g %.17g %.17g %.17g %.17g %.17g 1 %s\n\n", i + 1, q[0], q[1], q[2], q[3],
-            Rt.t[0], Rt.t[1], Rt.t[2], views[i].file[0] ? views[i].file : views[i].name);
+        sheen_text_put(&t, "%zu %.17g %.17g %.17g %.17g %.17g %.17g %.17g 1 %s\n\n", i + 1, q[0], q[1], q[2],
+                       q[3], Rt.t[0], Rt.t[1], Rt.t[2], views[i].file[0] ? views[i].file : views[i].name);
     }
-    return end(&t, dir, "images.txt", err);
+    return save(&t, dir, "images.txt", err);
 }
 
 static sheen_status save_points(const char *dir, const float *p_world, const uint8_t *rgb, size_t n,
                                 sheen_err *err)
 {
-    text t;
-    const sheen_status s = begin(&t, n, err);
-    if (s)
-        return s;
-    put(&t, "# POINT3D_ID X Y Z R G B ERROR TRACK[] (none)\n");
+    sheen_text t = {0};
+    sheen_text_put(&t, "# POINT3D_ID X Y Z R G B ERROR TRACK[] (none)\n");
     for (size_t i = 0; i < n; i++)
-        put(&t, "%zu %.9g %.9g %.9g %d %d %d 0\n", i + 1, (double)p_world[3 * i], (double)p_world[3 * i + 1],
-            (double)p_world[3 * i + 2], rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]);
-    return end(&t, dir, "points3D.txt", err);
+        sheen_text_put(&t, "%zu %.9g %.9g %.9g %d %d %d 0\n", i + 1, (double)p_world[3 * i],
+                       (double)p_world[3 * i + 1], (double)p_world[3 * i + 2], rgb[3 * i], rgb[3 * i + 1],
+                       rgb[3 * i + 2]);
+    return save(&t, dir, "points3D.txt", err);
 }
 
 sheen_status sheen_colmap_save(const char *dir, const sheen_camera *cam, const sheen_view *views,

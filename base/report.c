@@ -33,19 +33,15 @@ static const char style[] =
 
 static void append(sheen_report *r, const char *text, size_t size_bytes)
 {
-    if (!r->failed && !sheen_bytes_put(&r->text, r->text.size_bytes, text, size_bytes))
-        r->failed = true;
+    sheen_text_append(&r->text, text, size_bytes);
 }
 
 void sheen_report_raw(sheen_report *r, const char *fmt, ...)
 {
-    char text[MAX_TEXT_BYTES];
     va_list args;
     va_start(args, fmt);
-    const int n = vsnprintf(text, sizeof text, fmt, args);
+    sheen_text_put_args(&r->text, fmt, args);
     va_end(args);
-    if (n > 0)
-        append(r, text, (size_t)n < sizeof text ? (size_t)n : sizeof text - 1);
 }
 
 void sheen_report_escaped(sheen_report *r, const char *text)
@@ -200,7 +196,7 @@ sheen_status sheen_report_picture(sheen_report *r, const sheen_raster *picture, 
 
 void sheen_report_release(sheen_report *r)
 {
-    free(r->text.data);
+    sheen_text_release(&r->text);
     *r = (sheen_report){0};
 }
 
@@ -208,8 +204,7 @@ sheen_status sheen_report_save(sheen_report *r, const char *path, sheen_err *err
 {
     close_flow(r);
     sheen_report_raw(r, "%s</body></html>\n", r->in_section ? "</section>\n" : "");
-    const sheen_status s = r->failed ? sheen_fail_memory(err, (double)r->text.size_bytes, "a report")
-                                     : sheen_file_write(path, r->text.data, r->text.size_bytes, err);
+    const sheen_status s = sheen_text_save(&r->text, path, err);
     sheen_report_release(r);
     return s;
 }

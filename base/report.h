@@ -19,17 +19,16 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "base/bytes.h"
 #include "base/image.h"
 #include "base/status.h"
+#include "base/text.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 typedef struct sheen_report {
-    sheen_bytes text;
-    bool failed;                        // out of memory
+    sheen_text text;
     bool in_section, in_table, in_flow; // what is open
 } sheen_report;
 

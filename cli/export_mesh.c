@@ -1,75 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
 // export_mesh.c - the surface without its highlights: a textured OBJ, a PLY with a colour a vertex. Frame obj, metres.
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
 #include "base/image_file.h"
+#include "base/text.h"
 #include "cli/export.h"
 #include "render/surface_picture.h"
 
-enum { MAX_SIDE_PX = 4096, LINE_BYTES = 160 };
-
-typedef struct text {
-    char *data;
-    size_t size_bytes, room_bytes;
-} text;
-
-static sheen_status begin(text *t, size_t n_lines, sheen_err *err)
-{
-    *t = (text){.room_bytes = (n_lines + 16) * LINE_BYTES};
-    t->data = malloc(t->room_bytes);
-    return t->data ? SHEEN_OK : sheen_fail_memory(err, (double)t->room_bytes, "a mesh file");
-}
-
-static void put(text *t, const char *fmt, ...) SHEEN_PRINTF(2, 3);
-
-// The room was counted in lines before.
-static void put(text *t, const char *fmt, ...)
-{
-    va_list args;
-    va_start(args, fmt);
-    const int n = vsnprintf(t->data + t->size_bytes, t->room_bytes - t->size_bytes, fmt, args);
-    va_end(args);
-    if (n > 0)
-        t->size_bytes += (size_t)n;
-}
+enum { MAX_SIDE_PX = 4096 };
 
 static sheen_status write_obj(const char *path, const char *stem, const sheen_surface_picture *p,
                               sheen_err *err)
 {
-    text t;
+    sheen_text t = {0};
     const sheen_charts *c = &p->charts;
-    const sheen_status s = begin(&t, 2 * p->mesh.n_vertices + c->n_vertices + c->n_triangles + strlen(stem),
-                                 err);
-    if (s)
-        return s;
-    put(&t, "# metres; the light that left the surface without its highlights, in sRGB\nmtllib %.255s.mtl\n",
+    sheen_text_put(
+        &t, "# metres; the light that left the surface without its highlights, in sRGB\nmtllib %.255s.mtl\n",
         stem);
     for (size_t i = 0; i < p->mesh.n_vertices; i++)
-        put(&t, "v %.9g %.9g %.9g\n", (double)p->mesh.p_obj[3 * i], (double)p->mesh.p_obj[3 * i + 1],
-            (double)p->mesh.p_obj[3 * i + 2]);
+        sheen_text_put(&t, "v %.9g %.9g %.9g\n", (double)p->mesh.p_obj[3 * i],
+                       (double)p->mesh.p_obj[3 * i + 1], (double)p->mesh.p_obj[3 * i + 2]);
     for (size_t i = 0; i < p->mesh.n_vertices; i++)
-        put(&t, "vn %.6g %.6g %.6g\n", (double)p->mesh.n_obj[3 * i], (double)p->mesh.n_obj[3 * i + 1],
-            (double)p->mesh.n_obj[3 * i + 2]);
+        sheen_text_put(&t, "vn %.6g %.6g %.6g\n", (double)p->mesh.n_obj[3 * i],
+                       (double)p->mesh.n_obj[3 * i + 1], (double)p->mesh.n_obj[3 * i + 2]);
     for (size_t i = 0; i < c->n_vertices; i++)
-        put(&t, "vt %.7g %.7g\n", (double)(c->q_px[2 * i] / (float)c->side_px),
-            (double)(1 - c->q_px[2 * i + 1] / (float)c->side_px));
-    put(&t, "usemtl surface\n");
+        sheen_text_put(&t, "vt %.7g %.7g\n", (double)(c->q_px[2 * i] / (float)c->side_px),
+                       (double)(1 - c->q_px[2 * i + 1] / (float)c->side_px));
+    sheen_text_put(&t, "usemtl surface\n");
     for (size_t i = 0; i < c->n_triangles; i++) {
-        put(&t, "f");
+        sheen_text_put(&t, "f");
         for (size_t k = 0; k < 3; k++) {
             const uint32_t vt = c->triangles[3 * i + k] + 1, v = c->vertex[vt - 1] + 1;
-            put(&t, " %u/%u/%u", v, vt, v);
+            sheen_text_put(&t, " %u/%u/%u", v, vt, v);
         }
-        put(&t, "\n");
+        sheen_text_put(&t, "\n");
     }
-    const sheen_status written = sheen_file_write(path, t.data, t.size_bytes, err);
-    free(t.data);
-    return written;
+    return sheen_text_save(&t, path, err);
 }
 
 static sheen_status write_mtl(const char *path, const char *stem, sheen_err *err)
@@ -158,29 +128,27 @@ sheen_status sheen_export_vertex_colours(uint8_t **out, const sheen_model *m, sh
 
 static sheen_status write_ply(const char *path, const sheen_mesh *mesh, const uint8_t *rgba, sheen_err *err)
 {
-    text t;
-    sheen_status s = begin(&t, mesh->n_vertices + mesh->n_triangles, err);
-    if (s)
-        return s;
-    put(&t, "ply\nformat ascii 1.0\ncomment metres; colours in sRGB, alpha 0 where no photograph saw the "
+    sheen_text t = {0};
+    sheen_text_put(
+        &t, "ply\nformat ascii 1.0\ncomment metres; colours in sRGB, alpha 0 where no photograph saw the "
             "vertex\n");
-    put(&t, "element vertex %zu\n", mesh->n_vertices);
-    put(&t, "property float x\nproperty float y\nproperty float z\n");
-    put(&t, "property float nx\nproperty float ny\nproperty float nz\n");
-    put(&t, "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n");
-    put(&t, "element face %zu\nproperty list uchar int vertex_indices\nend_header\n", mesh->n_triangles);
+    sheen_text_put(&t, "element vertex %zu\n", mesh->n_vertices);
+    sheen_text_put(&t, "property float x\nproperty float y\nproperty float z\n");
+    sheen_text_put(&t, "property float nx\nproperty float ny\nproperty float nz\n");
+    sheen_text_put(&t,
+                   "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n");
+    sheen_text_put(&t, "element face %zu\nproperty list uchar int vertex_indices\nend_header\n",
+                   mesh->n_triangles);
     for (size_t i = 0; i < mesh->n_vertices; i++) {
         const float *p = mesh->p_obj + 3 * i, *n = mesh->n_obj + 3 * i;
         const uint8_t *c = rgba + 4 * i;
-        put(&t, "%.9g %.9g %.9g %.6g %.6g %.6g %d %d %d %d\n", (double)p[0], (double)p[1], (double)p[2],
-            (double)n[0], (double)n[1], (double)n[2], c[0], c[1], c[2], c[3]);
+        sheen_text_put(&t, "%.9g %.9g %.9g %.6g %.6g %.6g %d %d %d %d\n", (double)p[0], (double)p[1],
+                       (double)p[2], (double)n[0], (double)n[1], (double)n[2], c[0], c[1], c[2], c[3]);
     }
     for (size_t i = 0; i < mesh->n_triangles; i++)
-        put(&t, "3 %u %u %u\n", mesh->triangles[3 * i], mesh->triangles[3 * i + 1],
-            mesh->triangles[3 * i + 2]);
-    s = sheen_file_write(path, t.data, t.size_bytes, err);
-    free(t.data);
-    return s;
+        sheen_text_put(&t, "3 %u %u %u\n", mesh->triangles[3 * i], mesh->triangles[3 * i + 1],
+                       mesh->triangles[3 * i + 2]);
+    return sheen_text_save(&t, path, err);
 }
 
 sheen_status sheen_export_ply(sheen_cli *cli, const sheen_export_args *a, const sheen_session *s,

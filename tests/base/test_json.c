@@ -123,7 +123,7 @@ static void names_the_file(void **state)
     sheen_json_put_int(&w, "a", 1);
     sheen_json_close(&w);
     assert_ok(sheen_json_save(&w, path, &err), err);
-    assert_null(w.text);
+    assert_null(w.text.bytes.data);
     assert_ok(sheen_json_load(&root, path, &err), err);
     sheen_json_free(&root);
 }

@@ -87,7 +87,7 @@ static void is_a_page_of_its_own(void **state)
     test_scratch_file(path, *state, "report.html");
     fill(&r);
     assert_ok(sheen_report_save(&r, path, &err), err);
-    assert_null(r.text.data);
+    assert_null(r.text.bytes.data);
     char *text = read_all(path);
     assert_well_formed(text);
     assert_non_null(strstr(text, "<title>Report of 'x' &amp; &lt;y&gt;</title>"));
