@@ -17,7 +17,7 @@ static sheen_status parse(sheen_cli *cli, eval_args *a, sheen_err *err)
         {"holdout", 0, SHEEN_OPTION_INT, &a->o.n_folds, "K",
          "fit K times, each time without every K-th input frame,\nand score on those", 2, 1000},
         {"method", 0, SHEEN_OPTION_TEXT, &a->method, "NAME",
-         "of --holdout: paper or refined, as in 'sheen fit'", 0, 0},
+         "of --holdout: refined (default) or paper, as in\n'sheen fit'", 0, 0},
         {"against", 0, SHEEN_OPTION_TEXT, &a->o.against_dir, "DIR",
          "score on the pictures <pose's name>.* in this folder", 0, 0},
         {"poses", 0, SHEEN_OPTION_TEXT, &a->o.poses_path, "FILE",

@@ -23,8 +23,9 @@ static sheen_status parse(sheen_cli *cli, fit_args *a, sheen_err *err)
 {
     const sheen_option options[] = {
         {"method", 0, SHEEN_OPTION_TEXT, &a->method, "NAME",
-         "paper: Nishino, Zhang, Ikeuchi 2001 (default);\nrefined: with shadows and mirrored surroundings", 0,
-         0},
+         "refined (default): lamps with place and extent, shadows,\nmirrored surroundings; paper: Nishino, "
+         "Zhang, Ikeuchi 2001,\nto the letter",
+         0, 0},
         {"texels", 0, SHEEN_OPTION_INT, &a->o.texels_per_edge, "N",
          "texels along a triangle's edge (default: as fine as\nthe photographs)", 2, 64},
         {"frequency", 0, SHEEN_OPTION_INT, &a->o.frequency, "N",
@@ -52,7 +53,7 @@ static sheen_status parse(sheen_cli *cli, fit_args *a, sheen_err *err)
     if (s || cli->wants_help)
         return s;
     if (a->method && sheen_fit_method_from_name(&a->chosen, a->method, NULL))
-        return sheen_cli_usage(cli, err, "unknown method '%.40s': use 'paper' or 'refined'", a->method);
+        return sheen_cli_usage(cli, err, "unknown method '%.40s': use 'refined' or 'paper'", a->method);
     if (a->loss && strcmp(a->loss, "lorentzian") != 0 && strcmp(a->loss, "quartic") != 0)
         return sheen_cli_usage(cli, err, "unknown loss '%.40s': use 'lorentzian' or 'quartic'", a->loss);
     a->o.loss = a->loss && !strcmp(a->loss, "quartic") ? SHEEN_LOSS_QUARTIC : SHEEN_LOSS_LORENTZIAN;

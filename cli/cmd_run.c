@@ -112,7 +112,7 @@ static sheen_status run_fit(run_state *r, sheen_err *err)
 {
     sheen_fit_summary summary;
     const sheen_paper_options o = {.progress = r->progress, .n_threads = r->args.n_threads};
-    const sheen_status st = sheen_fit_session(&summary, &r->s, SHEEN_FIT_PAPER, &o, err);
+    const sheen_status st = sheen_fit_session(&summary, &r->s, SHEEN_FIT_REFINED, &o, err);
     sheen_cli_clear_bar(r->cli);
     if (!st)
         sheen_cli_say_fit(r->cli, &summary);

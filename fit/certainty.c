@@ -263,7 +263,9 @@ static void put_in_words(sheen_certainty *c)
                 azimuth_deg(l->v_world), asin(fmax(-1, fmin(1, l->v_world[2]))) * 57.29577951308232,
                 l->n_views ? "one photograph only" : "no photograph in full");
     }
-    if (!(c->sigma_share < 0.1))
+    if (!c->n_lamps)
+        say(c, "no highlight was found that the photographs agree on: the surface is taken to be matte");
+    else if (!(c->sigma_share < 0.1))
         say(c, "the roughness is known to %.0f %% only: few pixels lie on the flanks of highlights",
             fmin(999, 100 * c->sigma_share));
     if (c->unseen_share > 0.02)

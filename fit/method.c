@@ -7,7 +7,7 @@
 
 #include "fit/refined.h"
 
-static const char *const names[SHEEN_FIT_METHOD_COUNT] = {"paper", "refined"};
+static const char *const names[SHEEN_FIT_METHOD_COUNT] = {"refined", "paper"};
 
 const char *sheen_fit_method_name(sheen_fit_method m)
 {
@@ -21,7 +21,7 @@ sheen_status sheen_fit_method_from_name(sheen_fit_method *out, const char *name,
             *out = (sheen_fit_method)i;
             return SHEEN_OK;
         }
-    return sheen_fail(err, SHEEN_EARG, "unknown method '%.40s': use 'paper' or 'refined'", name);
+    return sheen_fail(err, SHEEN_EARG, "unknown method '%.40s': use 'refined' or 'paper'", name);
 }
 
 // Poses and exposures by what the photographs themselves agree on.

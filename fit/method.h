@@ -6,12 +6,12 @@
 #include "fit/paper.h"
 
 typedef enum sheen_fit_method {
-    SHEEN_FIT_PAPER,   // Nishino, Zhang, Ikeuchi 2001, to the letter
-    SHEEN_FIT_REFINED, // the same, then shadows, mirrored surroundings and a re-estimated texture (refined.h)
+    SHEEN_FIT_REFINED, // the paper's start, then lamps, mirrored surroundings and texture, refined (refined.h): the default
+    SHEEN_FIT_PAPER, // Nishino, Zhang, Ikeuchi 2001, to the letter
     SHEEN_FIT_METHOD_COUNT
 } sheen_fit_method;
 
-const char *sheen_fit_method_name(sheen_fit_method m); // "paper", "refined"
+const char *sheen_fit_method_name(sheen_fit_method m); // "refined", "paper"
 sheen_status sheen_fit_method_from_name(sheen_fit_method *out, const char *name, sheen_err *err);
 
 // Fits by a method. moving: what moved between the photographs; the refined method wants a camera that did (EUNSUP).

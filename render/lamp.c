@@ -135,8 +135,10 @@ SHEEN_KERNEL_INLINE void terms_body(float *restrict term, float *restrict alpha2
     const float vx = q->v[0], vy = q->v[1], vz = q->v[2];
     const float per_alpha2 = q->per_alpha2, per_tail = q->per_tail;
     const float gauss = q->gauss, tail = q->tail, fresnel = q->fresnel;
+    // Whole vectors: the arrays are longer by LANES, and what is computed beyond count nobody reads
+    const size_t whole = (count + LANES - 1) / LANES * LANES;
 #pragma omp simd
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < whole; i++) {
         const float Lx = sheen_mad(-rho[i], x, dx[i], fused), Ly = sheen_mad(-rho[i], y, dy[i], fused),
                     Lz = sheen_mad(-rho[i], z, dz[i], fused);
         const float L2 = sheen_mad(Lx, Lx, sheen_mad(Ly, Ly, sheen_mad(Lz, Lz, 1e-12f, fused), fused), fused);
@@ -224,7 +226,7 @@ void sheen_lamp_responses(float *response, const sheen_lamp_points *p, size_t be
     memcpy(q.v, v_world, sizeof q.v);
     const float inverse_cos = sheen_lobe_inverse_cos(n_world, v_world);
     for (size_t done = 0; done < n; done += AT_A_TIME) {
-        float middle[AT_A_TIME], alpha2[AT_A_TIME];
+        float middle[AT_A_TIME], alpha2[AT_A_TIME]; // whole vectors
         const size_t n_now = n - done < AT_A_TIME ? n - done : AT_A_TIME;
         terms(middle, alpha2, p->middles, begin + done, n_now, &q);
         for (size_t i = 0; i < n_now; i++) {

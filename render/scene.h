@@ -6,6 +6,7 @@
 #ifndef SHEEN_RENDER_SCENE_H
 #define SHEEN_RENDER_SCENE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -38,6 +39,9 @@ void sheen_scene_first_hits(const sheen_scene *scene, sheen_hit *hits, const flo
 // (both ends pulled in by offset_m, so that the surface at p does not hide itself).
 void sheen_scene_occluded(const sheen_scene *scene, uint8_t *occluded, const float *p_obj, size_t n,
                           const float target_obj[3], float offset_m);
+
+// True where one ray from origin_obj along the unit direction v_obj meets anything.
+bool sheen_scene_blocked(const sheen_scene *scene, const float origin_obj[3], const float v_obj[3]);
 
 #ifdef __cplusplus
 }

@@ -210,3 +210,19 @@ void sheen_scene_occluded(const sheen_scene *scene, uint8_t *occluded, const flo
             occluded[begin + i] = s.tfar[i] == -INFINITY;
     }
 }
+
+bool sheen_scene_blocked(const sheen_scene *scene, const float origin_obj[3], const float v_obj[3])
+{
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    struct RTCRay ray = {.org_x = origin_obj[0],
+                         .org_y = origin_obj[1],
+                         .org_z = origin_obj[2],
+                         .dir_x = v_obj[0],
+                         .dir_y = v_obj[1],
+                         .dir_z = v_obj[2],
+                         .tfar = INFINITY,
+                         .mask = UINT32_MAX};
+    rtcOccluded1(scene->scene, &context, &ray);
+    return ray.tfar == -INFINITY;
+}

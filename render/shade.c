@@ -61,16 +61,13 @@ static void to_obj(float out[3], const sheen_shading *s, const float v_world[3])
                  s->R_world_obj[2][i] * v_world[2];
 }
 
-// The first hit of a ray that starts a little off the surface.
-static sheen_hit cast(const sheen_shading *s, const float p_obj[3], const float n_obj[3],
-                      const float v_obj[3])
+// Does the mesh meet a ray that starts a little off the surface?
+static bool blocked(const sheen_shading *s, const float p_obj[3], const float n_obj[3], const float v_obj[3])
 {
     float from[3];
-    sheen_hit hit;
     for (int i = 0; i < 3; i++)
         from[i] = p_obj[i] + s->offset_m * n_obj[i];
-    sheen_scene_first_hits(s->scene, &hit, from, 1, v_obj, 1);
-    return hit;
+    return sheen_scene_blocked(s->scene, from, v_obj);
 }
 
 int sheen_shade_hidden(const sheen_shading *s, const float p_obj[3], const float n_world[3],
@@ -79,7 +76,7 @@ int sheen_shade_hidden(const sheen_shading *s, const float p_obj[3], const float
     float n_obj[3], l_obj[3];
     to_obj(n_obj, s, n_world);
     to_obj(l_obj, s, l_world);
-    return cast(s, p_obj, n_obj, l_obj).triangle != SHEEN_NO_HIT;
+    return blocked(s, p_obj, n_obj, l_obj);
 }
 
 // The sum over the lights in reach that the mesh does not hide.
@@ -101,7 +98,7 @@ static float shadowed_sum(const sheen_shading *s, const float p_obj[3], const fl
             continue;
         float l_obj[3];
         to_obj(l_obj, s, l);
-        if (cast(s, p_obj, n_obj, l_obj).triangle == SHEEN_NO_HIT)
+        if (!blocked(s, p_obj, n_obj, l_obj))
             sum += term;
     }
     return sum * sheen_lobe_inverse_cos(n, v);
@@ -130,7 +127,7 @@ static void add_lamps(float rgb[3], const sheen_shading *s, const float p_obj[3]
                 to_lamp[k] = lamp->direction_world[k] - lamp->inverse_distance_per_m * x[k];
             sheen_normalizef(to_lamp);
             to_obj(l_obj, s, to_lamp);
-            if (m->shadows && cast(s, p_obj, n_obj, l_obj).triangle != SHEEN_NO_HIT)
+            if (m->shadows && blocked(s, p_obj, n_obj, l_obj))
                 continue;
             for (int c = 0; c < 3; c++)
                 rgb[c] += response[i] * lamp->rgb[c];
@@ -168,7 +165,7 @@ void sheen_shade_irradiance(float rgb[3], const sheen_shading *s, const float p_
         if (!(cosine > 0))
             continue;
         to_obj(l_obj, s, lamp->l_world);
-        if (cast(s, p_obj, n_obj, l_obj).triangle == SHEEN_NO_HIT)
+        if (!blocked(s, p_obj, n_obj, l_obj))
             for (int c = 0; c < 3; c++)
                 rgb[c] += cosine * (float)lamp->rgb[c];
     }

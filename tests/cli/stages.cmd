@@ -31,7 +31,8 @@ find s -type f | sort | xargs cksum | cmp before -
 @ sheen import one photos/p0.png --poses transforms.json --mesh ball.obj
 sheen fit one
 @ sheen import flat flats --poses transforms.json --mesh ball.obj
-sheen fit flat
+sheen fit flat --method paper
+sheen fit flat | grep -E "^(lights|note)"
 @ sheen import far photos --poses transforms.json --mesh far.obj
 sheen fit far
 @ sheen import ok photos --poses transforms.json --mesh ball.obj

@@ -48,6 +48,7 @@ static void first_hits_agree_with_brute_force(void **state)
         const double d[3] = {(double)v[3 * i], (double)v[3 * i + 1], (double)v[3 * i + 2]};
         const sheen_hit want = test_first_hit(&mesh, o, d);
         n_hits += want.triangle != SHEEN_NO_HIT;
+        n_ties += sheen_scene_blocked(scene, origin + 3 * i, v + 3 * i) != (want.triangle != SHEEN_NO_HIT);
         if (hits[i].triangle != want.triangle) { // only where a ray grazes an edge
             n_ties++;
             continue;
