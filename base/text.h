@@ -25,7 +25,7 @@ typedef struct sheen_text {
 } sheen_text;
 
 void sheen_text_put(sheen_text *t, const char *fmt, ...) SHEEN_PRINTF(2, 3);
-void sheen_text_put_args(sheen_text *t, const char *fmt, va_list args);
+void sheen_text_put_args(sheen_text *t, const char *fmt, va_list args) SHEEN_PRINTF(2, 0);
 void sheen_text_append(sheen_text *t, const char *from, size_t n_bytes);
 // What was written so far, with a NUL behind it; NULL where memory ran out. Valid until the next call.
 const char *sheen_text_string(sheen_text *t);
