@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// cmd_devices.c - sheen devices: cameras, how each is connected, what it can do.
+// cmd_devices.c - sheen devices: cameras and turntables, how each is connected, what it can do.
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "capture/devices.h"
 #include "capture/libcamera_source.h"
+#include "capture/serial_devices.h"
 #include "cli/cli.h"
 #include "cli/commands.h"
 #include "cli/devices_json.h"
@@ -138,6 +140,39 @@ static void list_libcamera(sheen_cli *cli)
 }
 #endif
 
+// Serial lines over USB: any of them may be a turntable's controller, and nothing is sent to find out.
+static sheen_status list_serial(sheen_cli *cli, sheen_err *err)
+{
+    sheen_serial_device *lines;
+    size_t n;
+    const sheen_status s = sheen_serial_devices_list(&lines, &n, err);
+    if (s)
+        return s;
+    sheen_json_open(&cli->out, "serial", '[');
+    for (size_t i = 0; i < n; i++) {
+        const sheen_serial_device *d = &lines[i];
+        char usb_id[16];
+        snprintf(usb_id, sizeof usb_id, "%04x:%04x", (unsigned)d->vendor_id & 0xffff,
+                 (unsigned)d->product_id & 0xffff);
+        sheen_cli_say(cli, "%s  %s", d->path, d->is_turntable ? "the turntable" : "a serial line");
+        sheen_cli_say(cli, "  USB %s%s%s%s%s", usb_id, *d->name ? ", " : "", d->name,
+                      *d->serial ? ", serial " : "", d->serial);
+        if (*d->by_id)
+            sheen_cli_say(cli, "  %s", d->by_id);
+        sheen_json_open(&cli->out, NULL, '{');
+        sheen_json_put_string(&cli->out, "path", d->path);
+        sheen_json_put_string(&cli->out, "by_id", *d->by_id ? d->by_id : NULL);
+        sheen_json_put_string(&cli->out, "name", d->name);
+        sheen_json_put_string(&cli->out, "serial", *d->serial ? d->serial : NULL);
+        sheen_json_put_string(&cli->out, "usb_id", usb_id);
+        sheen_json_put_bool(&cli->out, "turntable", d->is_turntable);
+        sheen_json_close(&cli->out);
+    }
+    sheen_json_close(&cli->out);
+    free(lines);
+    return SHEEN_OK;
+}
+
 static sheen_status run(sheen_cli *cli, sheen_err *err)
 {
     const sheen_option options[] = {{0}};
@@ -162,16 +197,18 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
         sheen_cli_say(cli,
                       "no camera was found: plug one in, or look whether its driver made a /dev/video node");
     sheen_devices_release(devices, n);
-    return SHEEN_OK;
+    return list_serial(cli, err);
 }
 
 const sheen_command sheen_cmd_devices = {
     .name = "devices",
     .synopsis = "[options]",
-    .summary = "cameras, how each is connected, what it can do",
-    .about = "Lists the cameras that V4L2 knows. The number of /dev/videoN changes with the order of "
-             "plugging in: the\n"
-             "names under /dev/v4l/by-id stay with the camera, those under /dev/v4l/by-path with the port.\n",
+    .summary = "cameras and turntables, how each is connected",
+    .about =
+        "Lists the cameras that V4L2 knows. The number of /dev/videoN changes with the order of "
+        "plugging in: the\n"
+        "names under /dev/v4l/by-id stay with the camera, those under /dev/v4l/by-path with the port.\n"
+        "Serial lines over USB follow: one of them may be a turntable's controller (docs/turntable.md).\n",
     .example = "  sheen devices\n"
                "  sheen devices --json\n",
     .run = run,

@@ -13,17 +13,11 @@
 #define FILM SHEEN_SESSION_RENDERS "/orbit.mp4"
 #define RENDERS SHEEN_SESSION_RENDERS "/renders.json"
 
-typedef struct run_args {
-    int n_threads;
-    bool no_film;
-    int film_size_px[2];
-} run_args;
-
 // One run on its way.
 typedef struct run_state {
     sheen_cli *cli;
     sheen_session s;
-    run_args args;
+    sheen_cli_run_options args;
     sheen_progress progress;
 } run_state;
 
@@ -286,27 +280,30 @@ static void say_all_made(run_state *r)
     sheen_json_close(&r->cli->out);
 }
 
-static sheen_status run(sheen_cli *cli, sheen_err *err)
+sheen_status sheen_cli_run_stages(sheen_cli *cli, const char *path, const sheen_cli_run_options *options,
+                                  sheen_err *err)
 {
-    run_state r = {.cli = cli};
-    const sheen_option options[] = {
-        {"no-film", 0, SHEEN_OPTION_FLAG, &r.args.no_film, NULL, "without the film once about the object", 0,
-         0},
-        {"film-size", 0, SHEEN_OPTION_SIZE, r.args.film_size_px, "WxH", "default: 640 wide", 16, 8192},
-        {"threads", 0, SHEEN_OPTION_INT, &r.args.n_threads, "N", "default: one a processor", 1, 1024},
-        {0},
-    };
-    sheen_status st = sheen_cli_parse(cli, options, 1, 1, err);
-    if (st || cli->wants_help)
-        return st;
-    r.progress = sheen_cli_progress(cli);
-    st = sheen_session_open(&r.s, cli->args[0], err);
+    run_state r = {.cli = cli, .args = *options, .progress = sheen_cli_progress(cli)};
+    sheen_status st = sheen_session_open(&r.s, path, err);
     for (size_t i = 0; !st && i < sizeof stages / sizeof *stages; i++)
         st = run_stage(&r, &stages[i], err);
     if (!st)
         say_all_made(&r);
     sheen_session_release(&r.s);
     return st;
+}
+
+static sheen_status run(sheen_cli *cli, sheen_err *err)
+{
+    sheen_cli_run_options o = {0};
+    const sheen_option options[] = {
+        {"no-film", 0, SHEEN_OPTION_FLAG, &o.no_film, NULL, "without the film once about the object", 0, 0},
+        {"film-size", 0, SHEEN_OPTION_SIZE, o.film_size_px, "WxH", "default: 640 wide", 16, 8192},
+        {"threads", 0, SHEEN_OPTION_INT, &o.n_threads, "N", "default: one a processor", 1, 1024},
+        {0},
+    };
+    const sheen_status st = sheen_cli_parse(cli, options, 1, 1, err);
+    return st || cli->wants_help ? st : sheen_cli_run_stages(cli, cli->args[0], &o, err);
 }
 
 const sheen_command sheen_cmd_run = {

@@ -6,6 +6,7 @@
 
 #include "base/clock.h"
 #include "cli/commands.h"
+#include "cli/keys.h"
 #include "cli/table_arg.h"
 #include "cli/table_eye.h"
 #include "cli/table_setup.h"
@@ -184,17 +185,18 @@ static sheen_status act(sheen_cli *cli, const turntable_args *a, sheen_table *ta
 static sheen_status run(sheen_cli *cli, sheen_err *err)
 {
     turntable_args a = {0};
-    sheen_table *table;
+    sheen_table *table = NULL;
     sheen_table_config config;
     sheen_status s = parse(cli, &a, err);
     if (s || cli->wants_help)
         return s;
+    sheen_cli_keys_open();
     if (a.setup)
-        return set_up(cli, &a, err);
-    if ((s = sheen_cli_table_open(&table, &config, cli, a.device, a.file, err)))
-        return s;
-    s = act(cli, &a, table, err);
+        s = set_up(cli, &a, err);
+    else if (!(s = sheen_cli_table_open(&table, &config, cli, a.device, a.file, err)))
+        s = act(cli, &a, table, err);
     sheen_table_close(&table);
+    sheen_cli_keys_close();
     return s;
 }
 
@@ -202,8 +204,8 @@ const sheen_command sheen_cmd_turntable = {
     .name = "turntable",
     .synopsis = "[options]",
     .summary = "a motor turntable: its state, a turn, its set-up",
-    .about = "Without options it says what the controller says; nothing moves. Ctrl-C (or s and Enter) stops "
-             "a turn at\n"
+    .about = "Without options it says what the controller says; nothing moves. Ctrl-C, or the key s, "
+             "stops a turn at\n"
              "once. docs/turntable.md says which controllers, and what each refusal means.\n",
     .example = "  sheen turntable --move 30\n"
                "  sheen turntable --setup penguin.session --camera v4l2:/dev/video0\n",

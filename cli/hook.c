@@ -52,3 +52,12 @@ sheen_status sheen_cli_hook(const char *command, const char *action, const char 
         return SHEEN_OK;
     return sheen_fail(err, SHEEN_EIO, "the hook '%.200s' failed at %s", command, action);
 }
+
+sheen_status sheen_cli_hook_frame(const char *command, const sheen_session *s, const sheen_frame_info *f,
+                                  sheen_err *err)
+{
+    char file[160], path[SHEEN_PATH_MAX];
+    snprintf(file, sizeof file, SHEEN_SESSION_FRAMES "/%s", f->file);
+    const sheen_status st = sheen_session_path(path, s, file, err);
+    return st ? st : sheen_cli_hook(command, "download", path, err);
+}

@@ -20,6 +20,18 @@ void sheen_cli_check_camera(sheen_cli *cli, const sheen_session *s, double rms_p
 void sheen_cli_say_fit(sheen_cli *cli, const sheen_fit_summary *f);
 sheen_status sheen_cli_say_evaluation(sheen_cli *cli, const sheen_evaluation *e, sheen_err *err);
 
+// ---- cmd_run.c
+
+typedef struct sheen_cli_run_options {
+    int n_threads; // 0: one a processor
+    bool no_film;
+    int film_size_px[2]; // 0 x 0: 640 wide
+} sheen_cli_run_options;
+
+// Every stage of the session at `path` that is missing or out of date, in order; each is a member of cli->out.
+sheen_status sheen_cli_run_stages(sheen_cli *cli, const char *path, const sheen_cli_run_options *options,
+                                  sheen_err *err);
+
 // ---- view.c: drawing a session's model
 
 // What every drawing of a session needs.

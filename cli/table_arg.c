@@ -2,10 +2,10 @@
 // table_arg.c - opens a turntable for a command.
 #include "cli/table_arg.h"
 
-#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <unistd.h>
+
+#include "cli/keys.h"
 
 sheen_status sheen_cli_table_path(char path[SHEEN_PATH_MAX], const char *given, sheen_err *err)
 {
@@ -19,31 +19,22 @@ sheen_status sheen_cli_table_path(char path[SHEEN_PATH_MAX], const char *given, 
     return sheen_path_join(path, home && *home ? home : ".", ".config/sheen/turntable.json", err);
 }
 
-// True where the person pressed s and Enter: the emergency stop of a keyboard.
-static bool stop_pressed(void)
-{
-    struct pollfd input = {.fd = STDIN_FILENO, .events = POLLIN};
-    char c;
-    return isatty(STDIN_FILENO) && poll(&input, 1, 0) > 0 && read(STDIN_FILENO, &c, 1) == 1 && c == 's';
-}
-
 static bool go_on(void *self)
 {
     (void)self;
-    return !sheen_cli_interrupted() && !stop_pressed();
+    return !sheen_cli_keys_stopped();
 }
 
 static sheen_status turn_by_hand(void *self, double delta_deg, double *position_deg, sheen_err *err)
 {
-    sheen_cli *cli = self;
-    char line[16];
-    sheen_cli_clear_bar(cli);
-    fprintf(stderr, "turn the table by %.1f degrees (counter-clockwise seen from above), then press Enter ",
-            delta_deg);
-    if (!fgets(line, sizeof line, stdin) || sheen_cli_interrupted())
-        return sheen_fail(err, SHEEN_ECANCEL, "nobody turned the table");
-    *position_deg += delta_deg; // the camera sees what it became
-    return SHEEN_OK;
+    char prompt[120], line[16];
+    snprintf(prompt, sizeof prompt,
+             "turn the table by %.1f degrees (counter-clockwise seen from above), then press Enter",
+             delta_deg);
+    const sheen_status s = sheen_cli_ask(line, sizeof line, self, prompt, err);
+    if (!s)
+        *position_deg += delta_deg; // the camera sees what it became
+    return s;
 }
 
 static sheen_status load(sheen_table_config *config, const char *file, sheen_err *err)
