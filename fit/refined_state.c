@@ -91,7 +91,8 @@ static void subtract_mirrored(sheen_refined_state *r, size_t i_view)
         sheen_residual_pixel *p = &residual->pixels[i];
         const size_t at = (size_t)(p->y_px - g->y0_px) * (size_t)g->width_px + (size_t)(p->x_px - g->x0_px);
         float n_obj[3], v_obj[3], mirrored[3];
-        sheen_hit_surface(r->mesh, &g->hits[at], g->p_camera_obj, NULL, n_obj, v_obj);
+        sheen_normal_map_surface(r->mesh, &r->f->model.normals, &g->hits[at], g->p_camera_obj, NULL, n_obj,
+                                 v_obj);
         sheen_shade_mirrored(mirrored, &r->shading[i_view], p->p_obj, n_obj, v_obj);
         const float F = sheen_fresnel(r->f->model.surroundings.f0, sheen_dotf(n_obj, v_obj));
         for (int c = 0; c < 3; c++)
@@ -113,8 +114,8 @@ sheen_status sheen_refined_residuals(sheen_refined_state *r, sheen_err *err)
     for (size_t i = 0; i < f->n_views && !s; i++) {
         sheen_residual_release(&f->residuals[i]);
         sheen_partial_hemisphere_release(&f->partials[i]);
-        if ((s = sheen_residual_make(&f->residuals[i], r->mesh, &f->model.texture, &f->gbuffers[i],
-                                     &r->photos->cam, &r->photos->photos[i], err)))
+        if ((s = sheen_residual_make(&f->residuals[i], r->mesh, &f->model.texture, &f->model.normals,
+                                     &f->gbuffers[i], &r->photos->cam, &r->photos->photos[i], err)))
             break;
         subtract_mirrored(r, i);
         s = sheen_partial_hemisphere_make(&f->partials[i], &f->geodesic, &f->residuals[i], err);

@@ -9,6 +9,7 @@
 #include "base/vec.h"
 #include "fit/depth_edges.h"
 #include "fit/texel_view.h"
+#include "render/normal_map.h"
 
 static const float clipped_lin = 0.97f;
 
@@ -31,7 +32,7 @@ static int least_views(const sheen_texture *t, const sheen_hit *h)
 
 typedef struct residual_view {
     const sheen_mesh *mesh;
-    const sheen_texture *texture;
+    const sheen_texture *texture, *normals;
     const sheen_gbuffer *g;
     const sheen_photo *photo;
     sheen_Rt Rt_world_obj;
@@ -55,7 +56,7 @@ static bool make_pixel(sheen_residual_pixel *out, const residual_view *view, int
     if (h->triangle == SHEEN_NO_HIT || least_views(view->texture, h) < 2)
         return false;
     float n_obj[3], v_obj[3], diffuse[3];
-    sheen_hit_surface(view->mesh, h, g->p_camera_obj, out->p_obj, n_obj, v_obj);
+    sheen_normal_map_surface(view->mesh, view->normals, h, g->p_camera_obj, out->p_obj, n_obj, v_obj);
     const float cosine = sheen_dotf(n_obj, v_obj);
     out->x_px = x + g->x0_px;
     out->y_px = y + g->y0_px;
@@ -75,11 +76,12 @@ static bool make_pixel(sheen_residual_pixel *out, const residual_view *view, int
 }
 
 sheen_status sheen_residual_make(sheen_residual *out, const sheen_mesh *mesh, const sheen_texture *texture,
-                                 const sheen_gbuffer *g, const sheen_camera *cam, const sheen_photo *photo,
-                                 sheen_err *err)
+                                 const sheen_texture *normals, const sheen_gbuffer *g,
+                                 const sheen_camera *cam, const sheen_photo *photo, sheen_err *err)
 {
     *out = (sheen_residual){0};
-    residual_view view = {mesh, texture, g, photo, .footprint_per_m = 1.0f / (float)cam->intrinsics[0]};
+    residual_view view = {mesh, texture, normals,
+                          g,    photo,   .footprint_per_m = 1.0f / (float)cam->intrinsics[0]};
     sheen_Rt_from_rt(&view.Rt_world_obj, photo->rt_world_obj);
     const size_t n_max = (size_t)g->width_px * (size_t)g->height_px;
     if (!n_max)

@@ -26,9 +26,10 @@ typedef struct sheen_residual {
     size_t count;
 } sheen_residual;
 
+// normals: see render/normal_map.h; NULL or empty: the mesh's.
 sheen_status sheen_residual_make(sheen_residual *out, const sheen_mesh *mesh, const sheen_texture *texture,
-                                 const sheen_gbuffer *g, const sheen_camera *cam, const sheen_photo *photo,
-                                 sheen_err *err);
+                                 const sheen_texture *normals, const sheen_gbuffer *g,
+                                 const sheen_camera *cam, const sheen_photo *photo, sheen_err *err);
 void sheen_residual_release(sheen_residual *r);
 
 #endif

@@ -109,7 +109,8 @@ static sheen_status gather(sheen_lit_texels *out, const sheen_refined_state *r, 
     }
     for (size_t texel = 0; texel < n_all && out->n_texels < most; texel += step) {
         const size_t k = texel % per_triangle, start = out->first[out->n_texels];
-        sheen_texture_lattice(r->mesh, texel / per_triangle, edge, at.p_obj, at.n_obj);
+        sheen_normal_map_lattice(r->mesh, &r->f->model.normals, texel / per_triangle, edge, at.p_obj,
+                                 at.n_obj);
         sheen_lit_sample found[MAX_VIEWS];
         const size_t n = observe_texel(found, r, texel, at.p_obj + 3 * k, at.n_obj + 3 * k);
         if (n < 2)
@@ -133,7 +134,7 @@ static void fit_triangles(void *self, size_t begin, size_t end)
     const size_t per_triangle = sheen_texels_per_triangle(edge);
     lattice at;
     for (size_t f = begin; f < end; f++) {
-        sheen_texture_lattice(j->r->mesh, f, edge, at.p_obj, at.n_obj);
+        sheen_normal_map_lattice(j->r->mesh, &j->r->f->model.normals, f, edge, at.p_obj, at.n_obj);
         for (size_t k = 0; k < per_triangle; k++) {
             const size_t texel = f * per_triangle + k;
             sheen_lit_sample samples[MAX_VIEWS];
@@ -175,7 +176,7 @@ static void shift_triangles(void *self, size_t begin, size_t end)
     const size_t per_triangle = sheen_texels_per_triangle(edge);
     lattice at;
     for (size_t f = begin; f < end; f++) {
-        sheen_texture_lattice(j->r->mesh, f, edge, at.p_obj, at.n_obj);
+        sheen_normal_map_lattice(j->r->mesh, &j->r->f->model.normals, f, edge, at.p_obj, at.n_obj);
         for (size_t i = 0; i < per_triangle * j->r->f->n_views; i++) {
             const size_t v = i / per_triangle, k = i % per_triangle, texel = f * per_triangle + k;
             float light[3];

@@ -54,7 +54,8 @@ static void gather_patch(patch *q, const job *j, size_t triangle, int edge)
     q->n = 0;
     if (!memchr(seen, 1, per_triangle))
         return;
-    sheen_texture_lattice(&j->shading->model->mesh, triangle, edge, q->p_obj, q->n_obj);
+    sheen_normal_map_lattice(&j->shading->model->mesh, &j->shading->model->normals, triangle, edge, q->p_obj,
+                             q->n_obj);
     for (size_t k = 0; k < per_triangle; k++) {
         if (!seen[k])
             continue;

@@ -10,7 +10,7 @@
 
 typedef struct job {
     const sheen_gbuffer *g;
-    const sheen_mesh *mesh;
+    const sheen_model *model;
     sheen_Rt Rt_cam_obj;
     sheen_geometry *out;
 } job;
@@ -19,7 +19,7 @@ static void fill_pixel(const job *j, const sheen_hit *hit, int x, int y)
 {
     float p[3], n[3];
     double p_cam[3], n_cam[3];
-    sheen_hit_surface(j->mesh, hit, j->g->p_camera_obj, p, n, NULL);
+    sheen_normal_map_surface(&j->model->mesh, &j->model->normals, hit, j->g->p_camera_obj, p, n, NULL);
     const double p_obj[3] = {(double)p[0], (double)p[1], (double)p[2]};
     const double n_obj[3] = {(double)n[0], (double)n[1], (double)n[2]};
     sheen_Rt_point(p_cam, &j->Rt_cam_obj, p_obj);
@@ -56,7 +56,7 @@ sheen_status sheen_draw_geometry(sheen_geometry *out, const sheen_drawing *d, co
     if (!s)
         s = sheen_image_init(&out->mask, cam->width_px, cam->height_px, 1, err);
     if (!s) {
-        job j = {.g = &g, .mesh = &d->model->mesh, .out = out};
+        job j = {.g = &g, .model = d->model, .out = out};
         sheen_Rt_from_rt(&j.Rt_cam_obj, rt_cam_obj);
         sheen_parallel_for((size_t)g.height_px, 16, n_threads, fill_rows, &j);
     } else {

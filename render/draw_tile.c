@@ -50,7 +50,8 @@ void sheen_tile_diffuse(sheen_tile *tile, const sheen_shading *s, const double p
             continue;
         // Where the object turned, its texture is an albedo.
         float p_obj[3], n_obj[3], e[3];
-        sheen_hit_surface(&s->model->mesh, tile->hits[i], p_camera_obj, p_obj, n_obj, NULL);
+        sheen_normal_map_surface(&s->model->mesh, &s->model->normals, tile->hits[i], p_camera_obj, p_obj,
+                                 n_obj, NULL);
         sheen_shade_irradiance(e, s, p_obj, n_obj);
         for (int c = 0; c < 3; c++)
             rgb[c] *= e[c];
@@ -122,6 +123,20 @@ static void surface(sheen_lobe_block *b, float facing[SHEEN_TILE_SAMPLES], const
     }
 }
 
+// The normal map's part in it.
+static void bend(sheen_lobe_block *b, float facing[SHEEN_TILE_SAMPLES], const sheen_tile *tile,
+                 const sheen_texture *normals)
+{
+    for (int i = 0; i < tile->count && normals->n_triangles; i++) {
+        float n[3] = {b->nx[i], b->ny[i], b->nz[i]};
+        sheen_normal_map_bend(n, normals, tile->hits[i]);
+        b->nx[i] = n[0];
+        b->ny[i] = n[1];
+        b->nz[i] = n[2];
+        facing[i] = b->nx[i] * b->vx[i] + b->ny[i] * b->vy[i] + b->nz[i] * b->vz[i];
+    }
+}
+
 // Turns normals at outlines. dark[i]: the sample has no specular part.
 static void mend_outline(sheen_lobe_block *b, bool dark[SHEEN_TILE_SAMPLES],
                          const float facing[SHEEN_TILE_SAMPLES], const sheen_tile *tile,
@@ -186,6 +201,7 @@ void sheen_tile_specular(sheen_tile *tile, const sheen_shading *s, const double 
     float facing[SHEEN_TILE_SAMPLES];
     bool dark[SHEEN_TILE_SAMPLES] = {false};
     surface(&b, facing, tile, &s->model->mesh, p_camera_obj);
+    bend(&b, facing, tile, &s->model->normals);
     mend_outline(&b, dark, facing, tile, &s->model->mesh);
     if (s->model->shadows || s->model->surroundings.present || s->model->n_lamps)
         shade_each(tile, &b, dark, s, p_camera_obj);

@@ -23,6 +23,7 @@ void sheen_model_release(sheen_model *m)
 {
     sheen_mesh_release(&m->mesh);
     sheen_texture_release(&m->texture);
+    sheen_texture_release(&m->normals);
     sheen_surroundings_release(&m->surroundings);
     sheen_model_set_lights(m, 0, NULL);
     sheen_model_set_lamps(m, NULL, 0, NULL);
@@ -164,6 +165,7 @@ static void write_surface(sheen_json_writer *w, const sheen_model *m, const char
     sheen_json_put_int(w, "texels_per_edge", m->texture.texels_per_edge);
     sheen_json_put_int(w, "columns", columns);
     sheen_json_close(w);
+    sheen_model_put_normals(w, m);
     sheen_json_open(w, "mesh", '{');
     sheen_json_put_string(w, "file", mesh_file);
     sheen_json_put_int(w, "n_vertices", (long long)m->mesh.n_vertices);
@@ -173,14 +175,10 @@ static void write_surface(sheen_json_writer *w, const sheen_model *m, const char
 }
 
 // Half precision (11 bits) where every texel fits its range, as light of photographs does.
-static sheen_status save_texture(const sheen_model *m, const char *dir, sheen_err *err)
+sheen_status sheen_model_save_atlas(const sheen_texture *t, const char *path, sheen_err *err)
 {
-    char path[SHEEN_PATH_MAX];
-    sheen_status s = sheen_path_join(path, dir, SHEEN_MODEL_TEXTURE_FILE, err);
-    if (s)
-        return s;
     sheen_image atlas;
-    s = sheen_texture_to_atlas(&atlas, &m->texture, err);
+    sheen_status s = sheen_texture_to_atlas(&atlas, t, err);
     if (s)
         return s;
     const size_t n = 4 * (size_t)atlas.width_px * (size_t)atlas.height_px;
@@ -195,6 +193,13 @@ static sheen_status save_texture(const sheen_model *m, const char *dir, sheen_er
         s = sheen_exr_write(path, &atlas, NULL, half, err);
     sheen_image_release(&atlas);
     return s;
+}
+
+static sheen_status save_texture(const sheen_model *m, const char *dir, sheen_err *err)
+{
+    char path[SHEEN_PATH_MAX];
+    const sheen_status s = sheen_path_join(path, dir, SHEEN_MODEL_TEXTURE_FILE, err);
+    return s ? s : sheen_model_save_atlas(&m->texture, path, err);
 }
 
 sheen_status sheen_model_save(const sheen_model *m, const sheen_session *s, const char *dir,
@@ -213,12 +218,16 @@ sheen_status sheen_model_save(const sheen_model *m, const sheen_session *s, cons
     if ((status = sheen_session_path(mesh_path, s, mesh_file, err)) ||
         (status = sheen_file_digest(mesh_digest, mesh_path, err)) ||
         (status = sheen_path_join(path, dir, SHEEN_MODEL_FILE, err)) || (status = sheen_dir_make(dir, err)) ||
-        (status = save_texture(m, dir, err)) || (status = sheen_model_save_board(m, dir, err)))
+        (status = save_texture(m, dir, err)) || (status = sheen_model_save_normals(m, dir, err)) ||
+        (status = sheen_model_save_board(m, dir, err)))
         return status;
 
     sheen_json_writer w = {0};
     sheen_json_open(&w, NULL, '{');
-    sheen_json_put_string(&w, "schema", m->n_lamps ? "sheen-model/2" : "sheen-model/1");
+    sheen_json_put_string(&w, "schema",
+                          m->normals.n_triangles ? "sheen-model/3"
+                          : m->n_lamps           ? "sheen-model/2"
+                                                 : "sheen-model/1");
     sheen_model_put_numbers(&w, m);
     write_surface(&w, m, mesh_file, mesh_digest);
     if (extra)

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // model.h - what a fit found and a renderer needs: mesh, global texture, lights, k_S, sigma.
 //
-// In a session: model/model.json (parameters and lights), model/texture.exr (atlas), the session's mesh.
+// In a session: model/model.json (parameters and lights), model/texture.exr (atlas), model/normals.exr (where there is a normal map),
+// the session's mesh.
 #ifndef SHEEN_RENDER_MODEL_H
 #define SHEEN_RENDER_MODEL_H
 
@@ -12,6 +13,7 @@
 #include "render/irradiance.h"
 #include "render/lamp.h"
 #include "render/lobe.h"
+#include "render/normal_map.h"
 #include "render/surroundings.h"
 #include "render/texture.h"
 
@@ -23,6 +25,7 @@ typedef struct sheen_model {
     char method[24]; // "paper"
     sheen_mesh mesh; // frame obj
     sheen_texture texture;
+    sheen_texture normals; // beyond the paper: offsets of the mesh's normals (normal_map.h); empty: none
     // Lights stand still in `world`: the board's frame; where the object turned, the board's frame in the first
     // photograph, in which the camera stands still, too.
     sheen_moving moving;

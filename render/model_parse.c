@@ -176,8 +176,8 @@ static sheen_status load_mesh(sheen_model *m, const sheen_session *s, const shee
 }
 
 // The picture's size is compared before it is decoded.
-static sheen_status load_texture(sheen_model *m, const char *dir, const sheen_json *root, size_t n_triangles,
-                                 int texels_per_edge, sheen_err *err)
+sheen_status sheen_model_load_atlas(sheen_texture *t, const char *dir, const sheen_json *in,
+                                    size_t n_triangles, int texels_per_edge, sheen_err *err)
 {
     const char *file;
     char path[SHEEN_PATH_MAX];
@@ -185,7 +185,7 @@ static sheen_status load_texture(sheen_model *m, const char *dir, const sheen_js
     uint8_t *data = NULL;
     size_t size_bytes;
     sheen_raster raster = {0};
-    sheen_status s = sheen_json_string(sheen_json_get(root, "texture"), "file", &file, err);
+    sheen_status s = sheen_json_string(in, "file", &file, err);
     if (s)
         return s;
     if (!*file || *file == '.' || strchr(file, '/'))
@@ -204,9 +204,8 @@ static sheen_status load_texture(sheen_model *m, const char *dir, const sheen_js
         s = sheen_exr_parse(&raster, data, size_bytes, err);
     if (!s) {
         const sheen_image atlas = {raster.data, raster.width_px, raster.height_px, raster.n_channels};
-        s = raster.bits == 32
-                ? sheen_texture_from_atlas(&m->texture, &atlas, n_triangles, texels_per_edge, err)
-                : sheen_fail(err, SHEEN_EFORMAT, "it is not a picture of floats");
+        s = raster.bits == 32 ? sheen_texture_from_atlas(t, &atlas, n_triangles, texels_per_edge, err)
+                              : sheen_fail(err, SHEEN_EFORMAT, "it is not a picture of floats");
     }
     sheen_raster_release(&raster);
     free(data);
@@ -225,7 +224,10 @@ static sheen_status load_parts(sheen_model *m, const sheen_session *s, const cha
         status = sheen_fail(err, SHEEN_EFORMAT, "the texture has %zu triangles, the mesh %zu: fit again",
                             n_triangles, m->mesh.n_triangles);
     if (!status)
-        status = load_texture(m, dir, root, n_triangles, texels_per_edge, err);
+        status = sheen_model_load_atlas(&m->texture, dir, sheen_json_get(root, "texture"), n_triangles,
+                                        texels_per_edge, err);
+    if (!status)
+        status = sheen_model_load_normals(m, dir, root, err);
     if (!status)
         status = sheen_model_load_surroundings(m, dir, root, err);
     return status;

@@ -6,7 +6,7 @@
 #include "render/model.h"
 
 #define SHEEN_MODEL_SCHEMA "sheen-model"
-enum { SHEEN_MODEL_VERSION = 2 }; // 2: with lamps
+enum { SHEEN_MODEL_VERSION = 3 }; // 2: with lamps; 3: with a normal map
 #define SHEEN_MODEL_FILE "model.json"
 #define SHEEN_MODEL_TEXTURE_FILE "texture.exr"
 
@@ -30,6 +30,17 @@ sheen_status sheen_model_get_irradiance(sheen_model *m, const sheen_json *root, 
 sheen_status sheen_model_check_lamps(const sheen_model *m, sheen_status code, sheen_err *err);
 void sheen_model_write_lamps(sheen_json_writer *w, const sheen_model *m);
 sheen_status sheen_model_parse_lamps(sheen_model *m, const sheen_json *root, sheen_err *err);
+
+// The normal map (model_normals.c): named in model.json where there is one, its picture saved, and read once the mesh is there.
+void sheen_model_put_normals(sheen_json_writer *w, const sheen_model *m);
+sheen_status sheen_model_save_normals(const sheen_model *m, const char *dir, sheen_err *err);
+sheen_status sheen_model_load_normals(sheen_model *m, const char *dir, const sheen_json *root,
+                                      sheen_err *err);
+
+// A texture's picture: saved (model.c), and read, `in` naming its file (model_parse.c).
+sheen_status sheen_model_save_atlas(const sheen_texture *t, const char *path, sheen_err *err);
+sheen_status sheen_model_load_atlas(sheen_texture *t, const char *dir, const sheen_json *in,
+                                    size_t n_triangles, int texels_per_edge, sheen_err *err);
 
 // Nodes of the geodesic hemisphere of a frequency.
 size_t sheen_model_hemisphere_size(int frequency);

@@ -179,7 +179,7 @@ static void light_mirrored(float rgb[3], const sheen_shading *s, const sheen_hit
     float p_obj[3], n_obj[3], v_obj[3], e[3];
     if (!s->model->irradiance.present)
         return;
-    sheen_hit_surface(&s->model->mesh, hit, from, p_obj, n_obj, v_obj);
+    sheen_normal_map_surface(&s->model->mesh, &s->model->normals, hit, from, p_obj, n_obj, v_obj);
     sheen_shade_irradiance(e, s, p_obj, n_obj);
     for (int c = 0; c < 3; c++)
         rgb[c] *= e[c];

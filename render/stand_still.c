@@ -18,7 +18,7 @@ static void light_triangles(void *self, size_t begin, size_t end)
     float p_obj[3 * SHEEN_TEXTURE_MAX_EDGE * (SHEEN_TEXTURE_MAX_EDGE + 1) / 2];
     float n_obj[3 * SHEEN_TEXTURE_MAX_EDGE * (SHEEN_TEXTURE_MAX_EDGE + 1) / 2];
     for (size_t f = begin; f < end; f++) {
-        sheen_texture_lattice(&j->m->mesh, f, t->texels_per_edge, p_obj, n_obj);
+        sheen_normal_map_lattice(&j->m->mesh, &j->m->normals, f, t->texels_per_edge, p_obj, n_obj);
         for (size_t k = 0; k < per_triangle; k++) {
             float light[3];
             sheen_shade_irradiance(light, j->shading, p_obj + 3 * k, n_obj + 3 * k);

@@ -149,6 +149,54 @@ static void very_bright_texels(void **state)
     free_world(&w);
 }
 
+static sheen_status load_with_normals(world *w, sheen_model *back, const char *normals_file, float offset,
+                                      sheen_err *err)
+{
+    char path[TEST_PATH_MAX];
+    test_scratch_file(path, &w->scratch, normals_file);
+    size_t size_bytes;
+    uint8_t *data = test_file_read(path, &size_bytes);
+    sheen_raster raster;
+    assert_ok(sheen_exr_parse(&raster, data, size_bytes, err), *err);
+    const sheen_image atlas = {raster.data, raster.width_px, raster.height_px, raster.n_channels};
+    atlas.data[0] = offset;
+    assert_ok(sheen_exr_write(path, &atlas, NULL, true, err), *err);
+    sheen_raster_release(&raster);
+    free(data);
+    return sheen_model_load(back, &w->session, err);
+}
+
+// Offsets of normals come back; damaged ones do not.
+static void with_a_normal_map(void **state)
+{
+    (void)state;
+    world w;
+    make_world(&w);
+    sheen_model back;
+    sheen_err err = {0};
+    assert_ok(sheen_normal_map_init(&w.m.normals, w.m.mesh.n_triangles, 4, &err), err);
+    const size_t n = w.m.mesh.n_triangles * 10;
+    for (size_t i = 0; i < n; i++) {
+        w.m.normals.rgb[3 * i] = 0.25f;
+        w.m.normals.rgb[3 * i + 1] = -0.125f;
+    }
+    sheen_normal_map_from_tangents(&w.m.normals, &w.m.mesh);
+    save(&w);
+    assert_ok(sheen_model_load(&back, &w.session, &err), err);
+    assert_int_equal(back.normals.texels_per_edge, 4);
+    for (size_t i = 0; i < 3 * n; i++)
+        assert_close(back.normals.rgb[i], w.m.normals.rgb[i], 1e-4);
+    sheen_model_release(&back);
+    assert_fails(load_with_normals(&w, &back, "s/model/normals.exr", 5, &err), err, SHEEN_EFORMAT,
+                 "out of range");
+    assert_fails(load_with_normals(&w, &back, "s/model/normals.exr", (float)NAN, &err), err, SHEEN_EFORMAT,
+                 "normals.exr");
+    w.m.normals.n_triangles--;
+    assert_fails(sheen_model_save(&w.m, &w.session, w.dir, NULL, NULL, &err), err, SHEEN_EARG, "normal map");
+    w.m.normals.n_triangles++;
+    free_world(&w);
+}
+
 static void without_lights(void **state)
 {
     (void)state;
@@ -261,7 +309,7 @@ static void refuses_damaged_numbers(void **state)
     static const struct {
         const char *from, *to, *says;
     } cases[] = {
-        {"sheen-model/2", "sheen-model/3", "schema"},
+        {"sheen-model/2", "sheen-model/4", "schema"},
         {"sheen-model/2", "sheen-poses/1", "schema"},
         {"\"tail\": 0.25", "\"tail\": 1.5", "lobe"},
         {"\"fresnel\": 24", "\"fresnel\": -1", "lobe"},
@@ -378,15 +426,11 @@ static void refuses_every_cut(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(comes_back_as_it_was),
-        cmocka_unit_test(very_bright_texels),
-        cmocka_unit_test(without_lights),
-        cmocka_unit_test(refuses_to_save_nonsense),
-        cmocka_unit_test(says_that_there_is_no_model),
-        cmocka_unit_test(refuses_another_mesh),
-        cmocka_unit_test(refuses_another_texture),
-        cmocka_unit_test(refuses_damaged_numbers),
-        cmocka_unit_test(refuses_damaged_lights),
+        cmocka_unit_test(comes_back_as_it_was),     cmocka_unit_test(very_bright_texels),
+        cmocka_unit_test(with_a_normal_map),        cmocka_unit_test(without_lights),
+        cmocka_unit_test(refuses_to_save_nonsense), cmocka_unit_test(says_that_there_is_no_model),
+        cmocka_unit_test(refuses_another_mesh),     cmocka_unit_test(refuses_another_texture),
+        cmocka_unit_test(refuses_damaged_numbers),  cmocka_unit_test(refuses_damaged_lights),
         cmocka_unit_test(refuses_every_cut),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
