@@ -197,6 +197,9 @@ static sheen_status run_film(run_state *r, sheen_err *err)
     if (st)
         return st;
     v.options.n_threads = r->args.n_threads;
+    v.options.mark_holes = 0;
+    const sheen_cli_changes filled = {.k_s_factor = 1, .tint_rgb = {1, 1, 1}, .fill_holes = true};
+    st = sheen_cli_view_change(&v, &filled, err);
     sheen_cli_orbit o = {.size_px = {r->args.film_size_px[0], r->args.film_size_px[1]},
                          .elevation_deg = 25,
                          .duration_s = 4,
@@ -205,7 +208,8 @@ static sheen_status run_film(run_state *r, sheen_err *err)
         o.size_px[0] = WIDTH_PX;
         o.size_px[1] = (int)((double)WIDTH_PX * v.camera.height_px / v.camera.width_px + 0.5);
     }
-    st = sheen_cli_orbit_film(&v, path, &o, &r->progress, err);
+    if (!st)
+        st = sheen_cli_orbit_film(&v, path, &o, &r->progress, err);
     sheen_cli_view_close(&v);
     return st ? st : stamp_film(&r->s, err);
 }
@@ -310,10 +314,10 @@ const sheen_command sheen_cmd_run = {
     .name = "run",
     .synopsis = "SESSION [options]",
     .summary = "every stage that is missing or out of date, in order",
-    .about = "calibrate, pose, fit, eval (where there are test frames), and a film once about the object. A "
-             "stage whose\n"
-             "result was made from the very files that are there now is skipped, so that a second run does "
-             "nothing.\n",
+    .about =
+        "calibrate, pose, fit, eval (where there are test frames), and a film once about the object\n"
+        "(surface that no photograph saw is filled from what lies around it). A stage whose result was made\n"
+        "from the very files that are there now is skipped, so that a second run does nothing.\n",
     .example = "  sheen import penguin.session photos/*.jpg --board board.json --mesh penguin.ply\n"
                "  sheen import penguin.session board/*.jpg --role calibration\n"
                "  sheen run penguin.session\n",
