@@ -47,7 +47,7 @@ static sheen_status look_up(batch *b, size_t i, sheen_err *err)
     standing *st = &b->standings[i];
     sheen_session s;
     sheen_status status = session_path(path, b, i, err);
-    st->n_missing = (size_t)(b->args->n_steps * b->args->n_rounds);
+    st->n_missing = (size_t)b->args->n_steps * (size_t)b->args->n_rounds;
     st->n_unseen = 0;
     if (status || !sheen_dir_exists(path))
         return status;
@@ -223,7 +223,7 @@ static void run_all(batch *b)
 static void remedy(char text[300], const batch *b, size_t i)
 {
     const standing *st = &b->standings[i];
-    const size_t n_all = (size_t)(b->args->n_steps * b->args->n_rounds);
+    const size_t n_all = (size_t)b->args->n_steps * (size_t)b->args->n_rounds;
     *text = '\0';
     if (st->n_missing == n_all)
         snprintf(text, 300, "not begun%s%s", *st->failed ? ": " : "", st->failed);
