@@ -119,9 +119,6 @@ sheen_status sheen_export_gltf(sheen_cli *cli, const sheen_export_args *a, const
     char panorama[SHEEN_PATH_MAX], reference[SHEEN_PATH_MAX], title[256];
     double look_deg[2], rt_world_obj[6];
     sheen_gltf g;
-    if (v->model.n_lamps)
-        return sheen_fail(err, SHEEN_EUNSUP,
-                          "glTF cannot carry lamps that are near or have extent; fit with --method paper");
     sheen_export_title(title, a, s);
     sheen_gltf_options o = {.title = title,
                             .rt_board_obj = v->rt_board_obj,

@@ -9,14 +9,16 @@
 #include "base/image_file.h"
 #include "base/pose3.h"
 #include "base/vec.h"
+#include "render/far_lights.h"
 #include "render/gltf_write.h"
 #include "render/panorama.h"
 #include "render/surface_picture.h"
 
 static const double pi = 3.14159265358979323846;
 static const double dielectric = 0.04; // what glTF reflects at normal incidence
-// alpha_GGX over sigma: the GGX lobe that is nearest to the normalised Gaussian one, in least squares over small angles.
-static const double ggx_per_sigma = 1.32;
+// alpha_GGX over sigma: the GGX lobe that is nearest to the normalised Gaussian one, in least squares over small angles;
+// the heavy-tailed lobe is one; and between the two the nearest lies on a line, to 0.01.
+static const double ggx_per_sigma = 1.32, ggx_per_sigma_of_tail = 2;
 static const double brightest = 0.9; // base colour, but for PERCENT of the surface
 enum { PANORAMA_HEIGHT_PX = 512, PERCENT = 2 };
 
@@ -167,7 +169,8 @@ static sheen_status make_base_colour(sheen_gltf *g, sheen_surface_picture *p, co
         take_off(p, irradiance, g->f0 - model->surroundings.f0);
     free(irradiance);
     irradiance = NULL;
-    sheen_panorama_add_lights(&g->panorama, model, rt_world_obj, g->R_gltf_obj, g->f0);
+    if (!s)
+        s = sheen_panorama_add_lights(&g->panorama, model, rt_world_obj, g->R_gltf_obj, g->f0, err);
     if (!s)
         s = vertex_irradiance(&irradiance, g, &p->mesh, err);
     if (!s)
@@ -195,48 +198,69 @@ static sheen_status code_picture(uint8_t **jpeg, size_t *jpeg_bytes, const sheen
     return s;
 }
 
-// Node lights that stand together (within 8 degrees of the strongest left) as one.
-static size_t group_lights(sheen_gltf_light *out, size_t n_most, const sheen_gltf *g, const sheen_model *m,
-                           const double rt_world_obj[6])
+static double brightness(const sheen_far_light *l)
+{
+    return l->power_rgb[0] + l->power_rgb[1] + l->power_rgb[2];
+}
+
+// The sum of all lights within 8 degrees of lights[best], which are marked; one at a distance shines from there.
+static sheen_gltf_light group_about(const sheen_far_light *lights, size_t n, size_t best, uint8_t *taken,
+                                    const sheen_gltf *g)
 {
     const float least_cosine = 0.99f;
-    const double gain = 8 * pi * m->sigma_rad * m->sigma_rad * m->k_s / g->f0;
-    sheen_Rt world_obj;
-    size_t n = 0;
-    uint8_t *taken = calloc(m->lights.count + 1, 1);
-    sheen_Rt_from_rt(&world_obj, rt_world_obj);
-    for (; taken && n < n_most; n++) {
-        size_t best = m->lights.count;
-        for (size_t i = 0; i < m->lights.count; i++)
-            if (!taken[i] && m->lights.weight[i] > 0 &&
-                (best == m->lights.count || m->lights.weight[i] > m->lights.weight[best]))
-                best = i;
-        if (best == m->lights.count)
-            break;
-        const float middle[3] = {m->lights.dx[best], m->lights.dy[best], m->lights.dz[best]};
-        double sum[3] = {0}, weight = 0, l_obj[3];
-        for (size_t i = 0; i < m->lights.count; i++) {
-            const float l[3] = {m->lights.dx[i], m->lights.dy[i], m->lights.dz[i]};
-            if (taken[i] || !(sheen_dotf(l, middle) > least_cosine))
-                continue;
-            taken[i] = 1;
-            weight += (double)m->lights.weight[i];
-            for (int k = 0; k < 3; k++)
-                sum[k] += (double)(m->lights.weight[i] * l[k]);
+    double direction[3] = {0}, rgb[3] = {0}, per_m = 0, whole = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (taken[i] || !(sheen_dotf(lights[i].v_env, lights[best].v_env) > least_cosine))
+            continue;
+        taken[i] = 1;
+        whole += brightness(&lights[i]);
+        per_m += brightness(&lights[i]) / lights[i].distance_m;
+        for (int k = 0; k < 3; k++) {
+            direction[k] += brightness(&lights[i]) * (double)lights[i].v_env[k];
+            rgb[k] += lights[i].power_rgb[k] / g->f0;
         }
-        for (int k = 0; k < 3; k++)
-            l_obj[k] = world_obj.R[0][k] * sum[0] + world_obj.R[1][k] * sum[1] + world_obj.R[2][k] * sum[2];
-        for (int k = 0; k < 3; k++)
-            out[n].direction[k] = sheen_dot(g->R_gltf_obj[k], l_obj);
-        sheen_normalize(out[n].direction);
-        out[n].intensity_lux = gain * weight;
-        const double most = fmax(m->light_rgb[0], fmax(m->light_rgb[1], m->light_rgb[2]));
-        for (int c = 0; c < 3; c++)
-            out[n].rgb[c] = most > 0 ? m->light_rgb[c] / most : 1;
-        out[n].intensity_lux *= most;
+    }
+    sheen_normalize(direction);
+    const double most = fmax(rgb[0], fmax(rgb[1], rgb[2])), distance_m = whole / per_m;
+    sheen_gltf_light l = {.near = per_m > 0, .intensity = per_m > 0 ? most * distance_m * distance_m : most};
+    for (int k = 0; k < 3; k++) {
+        l.direction[k] = direction[k];
+        l.position[k] = l.near ? g->middle_gltf[k] + distance_m * direction[k] : 0;
+        l.rgb[k] = rgb[k] / most;
+    }
+    return l;
+}
+
+// The strongest lights, each with those that stand about it.
+static sheen_status group_lights(sheen_gltf_light *out, size_t *n_out, size_t n_most, const sheen_gltf *g,
+                                 const sheen_model *m, const double rt_world_obj[6], sheen_err *err)
+{
+    sheen_far_light *lights;
+    size_t n;
+    double R_env_obj[3][3];
+    memcpy(R_env_obj, g->R_gltf_obj, sizeof R_env_obj);
+    *n_out = 0;
+    sheen_status s = sheen_far_lights_make(&lights, &n, m, rt_world_obj, R_env_obj, err);
+    uint8_t *taken = calloc(n + 1, 1);
+    if (!s && !taken)
+        s = sheen_fail_memory(err, (double)n, "the model's lights");
+    while (!s && *n_out < n_most) {
+        size_t best = n;
+        for (size_t i = 0; i < n; i++)
+            if (!taken[i] && (best == n || brightness(&lights[i]) > brightness(&lights[best])))
+                best = i;
+        if (best == n)
+            break;
+        out[(*n_out)++] = group_about(lights, n, best, taken, g);
     }
     free(taken);
-    return n;
+    free(lights);
+    return s;
+}
+
+static bool has_fresnel(const sheen_model *m)
+{
+    return m->surroundings.present || (m->n_lamps && m->lobe_fresnel > 0);
 }
 
 static sheen_status write_it(sheen_gltf *g, const sheen_model *model, const sheen_surface_picture *p,
@@ -248,17 +272,16 @@ static sheen_status write_it(sheen_gltf *g, const sheen_model *model, const shee
                               .R_gltf_obj = g->R_gltf_obj,
                               .t_gltf_obj = g->t_gltf_obj,
                               .roughness = g->roughness,
-                              .specular_factor = model->surroundings.present ? 1 : g->f0,
-                              .specular_colour = model->surroundings.present ? 1 : 1 / dielectric};
+                              .specular_factor = has_fresnel(model) ? 1 : g->f0,
+                              .specular_colour = has_fresnel(model) ? 1 : 1 / dielectric};
     uint8_t *jpeg = NULL;
     sheen_gltf_light lights[SHEEN_GLTF_MAX_LIGHTS];
     sheen_status s = code_picture(&jpeg, &parts.jpeg_bytes, &p->rgb, o->jpeg_quality, err);
     parts.jpeg = jpeg;
     parts.lights = lights;
-    if (o->n_lights > 0)
-        parts.n_lights = group_lights(
-            lights, (size_t)(o->n_lights < SHEEN_GLTF_MAX_LIGHTS ? o->n_lights : SHEEN_GLTF_MAX_LIGHTS), g,
-            model, o->rt_world_obj);
+    const int n_most = o->n_lights < SHEEN_GLTF_MAX_LIGHTS ? o->n_lights : SHEEN_GLTF_MAX_LIGHTS;
+    if (!s && n_most > 0)
+        s = group_lights(lights, &parts.n_lights, (size_t)n_most, g, model, o->rt_world_obj, err);
     g->n_lights = (int)parts.n_lights;
     if (!s)
         s = sheen_gltf_write(&g->glb, &g->glb_bytes, &parts, err);
@@ -271,7 +294,9 @@ sheen_status sheen_gltf_make(sheen_gltf *out, const sheen_model *model, const sh
 {
     sheen_surface_picture p;
     *out = (sheen_gltf){.f0 = dielectric};
-    out->roughness = sqrt(fmin(1, ggx_per_sigma * model->sigma_rad));
+    const double tail = model->n_lamps ? model->lobe_tail : 0;
+    out->roughness = sqrt(
+        fmin(1, (ggx_per_sigma + tail * (ggx_per_sigma_of_tail - ggx_per_sigma)) * model->sigma_rad));
     sheen_status s = sheen_surface_picture_make(&p, model, o->max_triangles, o->max_side_px, err);
     if (s)
         return s;

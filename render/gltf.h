@@ -2,7 +2,7 @@
 // gltf.h - a model as glTF 2.0 (.glb): base colour, roughness, KHR_materials_specular, and the light as a panorama.
 //
 // What glTF can say of the model: the lobe exp(-alpha^2 / 2 sigma^2) becomes the nearest GGX lobe, roughness^2 = 1.32
-// sigma. Of k_S and the lights only the product is known; the surface is given the reflectance f0 = 0.04 of glass and
+// sigma (lamps' lobe with its tail: a wider one). Of k_S and the lights only the product is known; the surface is given the reflectance f0 = 0.04 of glass and
 // paint, and k_S over it goes into the panorama's radiance (panorama.h). The paper's lobe has no Fresnel term:
 // KHR_materials_specular with the factor f0 and the colour 1 / 0.04 makes the reflectance f0 at all angles; a model with
 // surroundings keeps glTF's own Fresnel term. The global texture is light that left the surface; divided by the irradiance
@@ -24,7 +24,7 @@ typedef struct sheen_gltf_options {
     size_t max_triangles;       // more are simplified away
     int max_side_px;            // of the texture
     int jpeg_quality;
-    int n_lights; // KHR_lights_punctual: the strongest groups of node lights, at most this many; 0: none
+    int n_lights; // KHR_lights_punctual: the strongest groups of lights, at most this many; 0: none
 } sheen_gltf_options;
 
 typedef struct sheen_gltf {

@@ -188,7 +188,10 @@ static void put_light_node(sheen_json_writer *j, const sheen_gltf_light *l, int 
     else
         memcpy(q, (const double[4]){1, 0, 0, 0}, sizeof q); // straight back
     sheen_json_open(j, NULL, '{');
-    sheen_json_put_numbers(j, "rotation", q, 4);
+    if (l->near)
+        sheen_json_put_numbers(j, "translation", l->position, 3);
+    else
+        sheen_json_put_numbers(j, "rotation", q, 4);
     sheen_json_open(j, "extensions", '{');
     sheen_json_open(j, "KHR_lights_punctual", '{');
     sheen_json_put_int(j, "light", i);
@@ -227,9 +230,9 @@ static void put_lights(sheen_json_writer *j, const sheen_gltf_parts *g)
     sheen_json_open(j, "lights", '[');
     for (size_t i = 0; i < g->n_lights; i++) {
         sheen_json_open(j, NULL, '{');
-        sheen_json_put_string(j, "type", "directional");
+        sheen_json_put_string(j, "type", g->lights[i].near ? "point" : "directional");
         sheen_json_put_numbers(j, "color", g->lights[i].rgb, 3);
-        sheen_json_put_number(j, "intensity", g->lights[i].intensity_lux);
+        sheen_json_put_number(j, "intensity", g->lights[i].intensity);
         sheen_json_close(j);
     }
     sheen_json_close(j);

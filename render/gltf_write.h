@@ -3,13 +3,17 @@
 #ifndef SHEEN_RENDER_GLTF_WRITE_H
 #define SHEEN_RENDER_GLTF_WRITE_H
 
+#include <stdbool.h>
+
 #include "render/charts.h"
 
 enum { SHEEN_GLTF_MAX_LIGHTS = 16 };
 
 typedef struct sheen_gltf_light {
+    bool near;           // a point light, at `position`; else a directional one
     double direction[3]; // towards it
-    double rgb[3], intensity_lux;
+    double position[3];
+    double rgb[3], intensity; // candela of a point light, else lux
 } sheen_gltf_light;
 
 typedef struct sheen_gltf_parts {

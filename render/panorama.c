@@ -8,6 +8,7 @@
 
 #include "base/pose3.h"
 #include "base/vec.h"
+#include "render/far_lights.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -62,25 +63,6 @@ static void add_light(sheen_image *img, const float l_env[3], const double power
     splat(img, l_env, (float)least, rgb);
 }
 
-static void add_lights(sheen_image *img, const sheen_model *m, const sheen_Rt *world_obj,
-                       double R_env_obj[3][3], double f0)
-{
-    const double gain = 8 * pi * m->sigma_rad * m->sigma_rad * m->k_s / f0;
-    for (size_t i = 0; i < m->lights.count; i++) {
-        const double l[3] = {(double)m->lights.dx[i], (double)m->lights.dy[i], (double)m->lights.dz[i]};
-        double l_obj[3], power_rgb[3];
-        float l_env[3];
-        for (int k = 0; k < 3; k++)
-            l_obj[k] = world_obj->R[0][k] * l[0] + world_obj->R[1][k] * l[1] + world_obj->R[2][k] * l[2];
-        for (int k = 0; k < 3; k++) {
-            l_env[k] = (float)sheen_dot(R_env_obj[k], l_obj);
-            power_rgb[k] = gain * (double)m->lights.weight[i] * m->light_rgb[k];
-        }
-        if (m->lights.weight[i] > 0)
-            add_light(img, l_env, power_rgb, 2 * pi / (double)m->n_hemisphere);
-    }
-}
-
 static void add_surroundings(sheen_image *img, const sheen_model *m, const sheen_Rt *world_obj,
                              double R_env_obj[3][3])
 {
@@ -119,12 +101,19 @@ sheen_status sheen_panorama_make(sheen_image *out, const sheen_model *model, con
     return SHEEN_OK;
 }
 
-void sheen_panorama_add_lights(sheen_image *panorama, const sheen_model *model, const double rt_world_obj[6],
-                               double R_env_obj[3][3], double f0)
+sheen_status sheen_panorama_add_lights(sheen_image *panorama, const sheen_model *model,
+                                       const double rt_world_obj[6], double R_env_obj[3][3], double f0,
+                                       sheen_err *err)
 {
-    sheen_Rt world_obj;
-    sheen_Rt_from_rt(&world_obj, rt_world_obj);
-    add_lights(panorama, model, &world_obj, R_env_obj, f0);
+    sheen_far_light *lights;
+    size_t n;
+    const sheen_status s = sheen_far_lights_make(&lights, &n, model, rt_world_obj, R_env_obj, err);
+    for (size_t i = 0; !s && i < n; i++) {
+        const double *power = lights[i].power_rgb, rgb[3] = {power[0] / f0, power[1] / f0, power[2] / f0};
+        add_light(panorama, lights[i].v_env, rgb, lights[i].solid_angle_sr);
+    }
+    free(lights);
+    return s;
 }
 
 // Sums over blocks of pixels stand for them: the cosine changes little within 3 degrees.

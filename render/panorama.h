@@ -16,10 +16,11 @@ extern "C" {
 // black where it has none. rt_world_obj, R_env_obj: how the object stands under the lights, and in env. ENOMEM.
 sheen_status sheen_panorama_make(sheen_image *out, const sheen_model *model, const double rt_world_obj[6],
                                  double R_env_obj[3][3], int height_px, sheen_err *err);
-// Adds the lights as discs of their node's solid angle, for a surface that reflects f0: eq. (7) adds up over a wide
-// light to 8 pi sigma^2 k_S times L_l, so the radiance is that over f0.
-void sheen_panorama_add_lights(sheen_image *panorama, const sheen_model *model, const double rt_world_obj[6],
-                               double R_env_obj[3][3], double f0);
+// Adds node lights and lamps, as they are seen from the object's middle, as discs that light up a surface which reflects f0
+// as they do in the model (far_lights.c). ENOMEM.
+sheen_status sheen_panorama_add_lights(sheen_image *panorama, const sheen_model *model,
+                                       const double rt_world_obj[6], double R_env_obj[3][3], double f0,
+                                       sheen_err *err);
 
 // Unit direction of a pixel's centre, and the solid angle of a pixel of that row.
 void sheen_panorama_direction(float v_env[3], const sheen_image *panorama, int x, int y);

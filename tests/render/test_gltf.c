@@ -5,6 +5,7 @@
 #include "tests/support_scene.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -85,7 +86,7 @@ static void a_light_stands_in_the_panorama_with_its_power(void **state)
     double R[3][3] = {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}};
     make_model(&m);
     assert_ok(sheen_panorama_make(&sky, &m, no_turn, R, 64, &err), err);
-    sheen_panorama_add_lights(&sky, &m, no_turn, R, 0.04);
+    assert_ok(sheen_panorama_add_lights(&sky, &m, no_turn, R, 0.04, &err), err);
     const double want = 8 * 3.14159265358979323846 * 0.01 * 2 / 0.04 * (double)m.lights.weight[0];
     double power = 0, at_zenith = 0;
     for (int y = 0; y < sky.height_px; y++)
@@ -107,6 +108,91 @@ static void a_light_stands_in_the_panorama_with_its_power(void **state)
     sheen_model_release(&m);
 }
 
+static sheen_gltf_options options_of(size_t max_triangles, int n_lights)
+{
+    return (sheen_gltf_options){.title = "a \"figure\"",
+                                .rt_board_obj = no_turn,
+                                .rt_world_obj = no_turn,
+                                .max_triangles = max_triangles,
+                                .max_side_px = 512,
+                                .jpeg_quality = 90,
+                                .n_lights = n_lights};
+}
+
+// A lamp a metre from the object's middle, two from the origin that it is stated from, and one far away.
+static void add_lamps(sheen_model *m)
+{
+    sheen_err err = {0};
+    float centre[3], radius_m;
+    sheen_mesh_sphere(&m->mesh, centre, &radius_m);
+    const sheen_lamp lamps[2] = {
+        {.direction_world = {1, 0, 0}, .inverse_distance_per_m = 0.5f, .radius_rad = 0.1f, .rgb = {3, 2, 1}},
+        {.direction_world = {0, 0, 1}, .rgb = {1, 1, 1}}};
+    m->lobe_tail = 0.5;
+    assert_ok(sheen_model_set_lights(m, 0, &err), err);
+    assert_ok(sheen_model_set_lamps(m, lamps, 2, &err), err);
+    // The object's middle is halfway between the lamps' origin and the first lamp.
+    for (int k = 0; k < 3; k++)
+        m->lamp_origin_world[k] = (double)centre[k] - (k == 0 ? 1 : 0);
+}
+
+static void a_near_lamp_shines_in_the_panorama_as_on_the_middle(void **state)
+{
+    (void)state;
+    sheen_err err = {0};
+    sheen_model m;
+    sheen_image sky;
+    double R[3][3] = {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}};
+    make_model(&m);
+    add_lamps(&m);
+    assert_ok(sheen_panorama_make(&sky, &m, no_turn, R, 128, &err), err);
+    assert_ok(sheen_panorama_add_lights(&sky, &m, no_turn, R, 0.04, &err), err);
+    const double gain = 8 * 3.14159265358979323846 * 0.01 * 1.5 / 0.04;
+    double power[3] = {0};
+    for (int y = 20; y < sky.height_px; y++) // the other is at the zenith
+        for (int x = 0; x < sky.width_px; x++)
+            for (int c = 0; c < 3; c++)
+                power[c] += (double)sheen_image_at(&sky, x, y)[c] * sheen_panorama_pixel_sr(&sky, y);
+    // At half the distance it is four times as bright, and twice as wide.
+    for (int c = 0; c < 3; c++)
+        assert_close(power[c] / (4 * gain * (3 - c)), 1, 1e-4);
+    assert_true(sheen_image_at(&sky, 128, 64 + 6)[0] > 0);
+    assert_true(sheen_image_at(&sky, 128, 64 + 10)[0] <= 0);
+    sheen_image_release(&sky);
+    sheen_model_release(&m);
+}
+
+// The node's translation says where a near lamp stands, its intensity is in candela.
+static void a_near_lamp_is_a_point_light(void **state)
+{
+    (void)state;
+    sheen_err err = {0};
+    sheen_model m;
+    sheen_gltf g;
+    const char *text;
+    double at[3] = {0}, candela = 0;
+    make_model(&m);
+    add_lamps(&m);
+    const sheen_gltf_options o = options_of(m.mesh.n_triangles, 4);
+    assert_ok(sheen_gltf_make(&g, &m, &o, &err), err);
+    assert_int_equal(g.n_lights, 2);
+    assert_close(g.roughness, sqrt(1.66 * 0.1), 1e-9);
+    char json[8192] = {0};
+    memcpy(json, g.glb + 20, sizeof json - 1 < g.glb_bytes - 20 ? sizeof json - 1 : g.glb_bytes - 20);
+    assert_non_null(text = strstr(json, "\"translation\""));
+    assert_int_equal(sscanf(strchr(text, '[') + 1, "%lf,%lf,%lf", at, at + 1, at + 2), 3);
+    assert_close(at[0] - g.middle_gltf[0], 1, 1e-5);
+    assert_close(at[1] - g.middle_gltf[1], 0, 1e-5);
+    assert_close(at[2] - g.middle_gltf[2], 0, 1e-5);
+    assert_non_null(text = strstr(json, "\"point\""));
+    assert_non_null(text = strstr(text, "\"intensity\""));
+    assert_int_equal(sscanf(strchr(text, ':') + 1, "%lf", &candela), 1);
+    assert_close(candela / (4 * 3 * 8 * 3.14159265358979323846 * 0.01 * 1.5 / 0.04), 1, 1e-4);
+    assert_non_null(strstr(json, "\"directional\""));
+    sheen_gltf_release(&g);
+    sheen_model_release(&m);
+}
+
 static void fewer_triangles_stay_near(void **state)
 {
     (void)state;
@@ -122,17 +208,6 @@ static void fewer_triangles_stay_near(void **state)
         assert_close(sqrtf(sheen_dotf(simple.p_obj + 3 * i, simple.p_obj + 3 * i)), 0.1, 1e-3);
     sheen_mesh_release(&simple);
     sheen_mesh_release(&mesh);
-}
-
-static sheen_gltf_options options_of(size_t max_triangles, int n_lights)
-{
-    return (sheen_gltf_options){.title = "a \"figure\"",
-                                .rt_board_obj = no_turn,
-                                .rt_world_obj = no_turn,
-                                .max_triangles = max_triangles,
-                                .max_side_px = 512,
-                                .jpeg_quality = 90,
-                                .n_lights = n_lights};
 }
 
 static void our_own_reader_reads_the_file(void **state)
@@ -208,6 +283,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(charts_lie_side_by_side),
         cmocka_unit_test(a_light_stands_in_the_panorama_with_its_power),
+        cmocka_unit_test(a_near_lamp_shines_in_the_panorama_as_on_the_middle),
+        cmocka_unit_test(a_near_lamp_is_a_point_light),
         cmocka_unit_test(fewer_triangles_stay_near),
         cmocka_unit_test(our_own_reader_reads_the_file),
         cmocka_unit_test(the_least_model_is_written),

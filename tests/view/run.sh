@@ -28,4 +28,4 @@ trap 'rm -rf "$scratch"' EXIT
 ) || exit 1
 cp "$here"/*.mjs "$here"/*.js "$work" || exit 1
 node "$work/test_viewer.mjs" "$chromium" "$sheen" "$work/pages" "$scratch/ball.session" "$scratch/refined.session" &&
-    node "$work/test_gltf.mjs" "$chromium" "$sheen" "$work/pages" "$scratch/ball.session"
+    node "$work/test_gltf.mjs" "$chromium" "$sheen" "$work/pages" "$scratch/ball.session" "$scratch/refined.session"
