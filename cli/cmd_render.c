@@ -8,6 +8,7 @@
 
 #include "base/pose3.h"
 #include "base/pose_file.h"
+#include "base/vec.h"
 #include "cli/cli.h"
 #include "cli/commands.h"
 #include "cli/picture.h"
@@ -17,13 +18,13 @@ static const double rad_per_deg = 3.14159265358979323846 / 180;
 
 typedef struct render_args {
     const char *poses, *output, *orbit, *view, *spin, *format;
-    const char *tint, *background, *holes, *lights;
+    const char *tint, *background, *holes, *lights, *turn_axis;
     int size_px[2];
     double elevation_deg, distance_m, duration_s, turn_lights_deg;
     int frames_per_s, samples, n_threads, count;
     bool black_holes;
     double look[3]; // azimuth, elevation (degrees), distance (metres)
-    double background_rgb[3];
+    double background_rgb[3], turn_axis_board[3];
     sheen_cli_changes changes;
     sheen_cli_picture picture;
 } render_args;
@@ -67,6 +68,17 @@ static sheen_status check_colours(sheen_cli *cli, render_args *a, sheen_err *err
     return SHEEN_OK;
 }
 
+static sheen_status check_lights(sheen_cli *cli, render_args *a, sheen_err *err)
+{
+    if (a->lights && strcmp(a->lights, "still") != 0 && strcmp(a->lights, "turn") != 0)
+        return sheen_cli_usage(cli, err, "unknown lights '%.40s': use still or turn", a->lights);
+    if (a->turn_axis &&
+        (read_numbers(a->turn_axis_board, a->turn_axis) != 3 || !(sheen_normalize(a->turn_axis_board) > 0)))
+        return sheen_cli_usage(cli, err, "'--turn-axis' wants a direction such as 1,0,0, not '%.40s'",
+                               a->turn_axis);
+    return SHEEN_OK;
+}
+
 static sheen_status check(sheen_cli *cli, render_args *a, sheen_err *err)
 {
     if (!a->poses + !a->orbit + !a->view + !a->spin != 3)
@@ -85,8 +97,6 @@ static sheen_status check(sheen_cli *cli, render_args *a, sheen_err *err)
     if (a->orbit && sheen_cli_layer_is_geometry(a->picture.layer))
         return sheen_cli_usage(cli, err, "a film has no layer '%s': use --poses, --view or --spin",
                                a->picture.layer);
-    if (a->lights && strcmp(a->lights, "still") != 0 && strcmp(a->lights, "turn") != 0)
-        return sheen_cli_usage(cli, err, "unknown lights '%.40s': use still or turn", a->lights);
     if (strcmp(a->format, "png") != 0 && strcmp(a->format, "exr") != 0)
         return sheen_cli_usage(cli, err, "unknown format '%.40s': use png or exr", a->format);
     const char *ending = a->view ? sheen_path_extension(a->output) : a->format;
@@ -95,7 +105,8 @@ static sheen_status check(sheen_cli *cli, render_args *a, sheen_err *err)
     if (a->picture.layer && !strcmp(a->picture.layer, "depth") && strcasecmp(ending, "exr") != 0)
         return sheen_cli_usage(cli, err, "depth in metres wants an .exr%s",
                                a->view ? "" : ": add --format exr");
-    return check_colours(cli, a, err);
+    const sheen_status s = check_lights(cli, a, err);
+    return s ? s : check_colours(cli, a, err);
 }
 
 static sheen_status parse(sheen_cli *cli, render_args *a, sheen_err *err)
@@ -143,6 +154,8 @@ static sheen_status parse(sheen_cli *cli, render_args *a, sheen_err *err)
          0, 0},
         {"turn-lights", 0, SHEEN_OPTION_NUMBER, &a->turn_lights_deg, "DEG",
          "turn the lights about the board's z, counter-clockwise", -360, 360},
+        {"turn-axis", 0, SHEEN_OPTION_TEXT, &a->turn_axis, "X,Y,Z",
+         "of --turn-lights: another axis, in the board's frame", 0, 0},
         {"k-s", 0, SHEEN_OPTION_NUMBER, &a->changes.k_s_factor, "FACTOR",
          "highlights' strength, as a multiple of the fitted one", 0, 1000},
         {"sigma", 0, SHEEN_OPTION_NUMBER, &a->changes.sigma_rad, "RAD", "another roughness", 1e-3, 1.5},
@@ -295,6 +308,8 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
         v.options.mark_holes = !a.holes || !strcmp(a.holes, "mark");
         v.lights_turn = a.lights && !strcmp(a.lights, "turn");
         v.turn_lights_rad = a.turn_lights_deg * rad_per_deg;
+        if (a.turn_axis)
+            memcpy(v.turn_axis_board, a.turn_axis_board, sizeof v.turn_axis_board);
         for (int c = 0; c < 3 && a.background; c++)
             v.options.background_rgb[c] = (float)a.background_rgb[c];
         st = sheen_cli_view_change(&v, &a.changes, err);

@@ -42,7 +42,9 @@ typedef struct sheen_cli_view {
     sheen_drawing *drawing;
     sheen_draw_options options;
     bool lights_turn; // with an object that turned, as in the first photograph; else it turns under them
-    double turn_lights_rad; // besides, about the board's z, counter-clockwise from above
+    double
+        turn_lights_rad; // besides, about an axis through the board's origin, counter-clockwise from its tip
+    double turn_axis_board[3]; // unit; its z unless asked otherwise
 } sheen_cli_view;
 
 // What a person may change about a model before it is drawn.

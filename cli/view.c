@@ -16,6 +16,7 @@ sheen_status sheen_cli_view_open(sheen_cli_view *v, const sheen_session *s, shee
 {
     char path[SHEEN_PATH_MAX];
     *v = (sheen_cli_view){
+        .turn_axis_board = {0, 0, 1},
         .options = {.mark_holes = 1, .hole_rgb = {1, 0, 1}, .background_rgb = {0.03f, 0.03f, 0.03f}}};
     sheen_model_init(&v->model);
     sheen_status st = sheen_model_load(&v->model, s, err);
@@ -52,8 +53,10 @@ sheen_status sheen_cli_view_pinhole(sheen_camera *out, const sheen_cli_view *v, 
 sheen_status sheen_cli_view_draw(sheen_layers *layers, const sheen_cli_view *v, const sheen_camera *cam,
                                  const double rt_cam_obj[6], sheen_err *err)
 {
-    // Turning the lights one way is turning the object the other way under them, about the board's z.
-    const double rt_turn[6] = {0, 0, -v->turn_lights_rad, 0, 0, 0};
+    // Turning the lights one way is turning the object the other way under them.
+    const double *axis = v->turn_axis_board,
+                 rt_turn[6] = {-v->turn_lights_rad * axis[0], -v->turn_lights_rad * axis[1],
+                               -v->turn_lights_rad * axis[2]};
     double rt_obj_board[6], rt_turned_obj[6], rt_obj_turned[6], rt_world_obj[6], rt_place[6];
     sheen_rt_invert(rt_obj_board, v->rt_board_obj);
     sheen_rt_compose(rt_turned_obj, rt_turn, v->rt_board_obj);
@@ -83,10 +86,10 @@ sheen_status sheen_cli_view_look(sheen_layers *layers, const sheen_cli_view *v, 
 sheen_status sheen_cli_view_change(sheen_cli_view *v, const sheen_cli_changes *c, sheen_err *err)
 {
     sheen_model *m = &v->model;
-    m->k_s *= c->k_s_factor;
+    const double rgb[3] = {c->k_s_factor * c->tint_rgb[0], c->k_s_factor * c->tint_rgb[1],
+                           c->k_s_factor * c->tint_rgb[2]};
+    sheen_model_scale_highlights(m, rgb);
     m->sigma_rad = c->sigma_rad > 0 ? c->sigma_rad : m->sigma_rad;
-    for (int k = 0; k < 3; k++)
-        m->light_rgb[k] *= c->tint_rgb[k];
     sheen_drawing_free(&v->drawing); // keeps what it made of the model before
     const sheen_status st = c->fill_holes ? sheen_fill_holes(&m->texture, &m->mesh, err) : SHEEN_OK;
     return st ? st : sheen_drawing_new(&v->drawing, m, err);

@@ -60,6 +60,8 @@ void sheen_model_place(double rt_world_obj[6], const sheen_model *m, const doubl
 // Replaces the lamps by a copy of lamps[n]. ENOMEM.
 sheen_status sheen_model_set_lamps(sheen_model *m, const sheen_lamp *lamps, size_t n, sheen_err *err);
 sheen_lobe_shape sheen_model_lobe(const sheen_model *m);
+// Highlights of all lights times rgb.
+void sheen_model_scale_highlights(sheen_model *m, const double rgb[3]);
 
 // Into a folder (an unfinished model/ that the caller renames to its place): model.json and texture.exr. s:
 // the session whose mesh was fitted; its digest goes into model.json. `extra` (may be NULL) adds members to

@@ -25,6 +25,15 @@ sheen_lobe_shape sheen_model_lobe(const sheen_model *m)
     return (sheen_lobe_shape){(float)m->sigma_rad, (float)m->lobe_tail, (float)m->lobe_fresnel};
 }
 
+void sheen_model_scale_highlights(sheen_model *m, const double rgb[3])
+{
+    for (int c = 0; c < 3; c++)
+        m->light_rgb[c] *= rgb[c];
+    for (size_t i = 0; i < m->n_lamps; i++)
+        for (int c = 0; c < 3; c++)
+            m->lamps[i].rgb[c] *= (float)rgb[c];
+}
+
 sheen_status sheen_model_check_lamps(const sheen_model *m, sheen_status code, sheen_err *err)
 {
     if (m->n_lamps > SHEEN_LAMPS_MAX)

@@ -278,6 +278,42 @@ static void no_specks_along_the_outline(void **state)
     sheen_model_release(&m);
 }
 
+// A red half of the highlights, of nodes and lamps alike.
+static void scaled_highlights_are_scaled(void **state)
+{
+    (void)state;
+    sheen_model m;
+    sheen_camera cam;
+    sheen_drawing *d;
+    sheen_layers layers[2];
+    sheen_err err = {0};
+    double rt_cam_obj[6];
+    const sheen_lamp lamp = {.direction_world = {0, 0, 1}, .inverse_distance_per_m = 0.3f, .rgb = {3, 2, 1}};
+    make_model(&m);
+    assert_ok(sheen_model_set_lamps(&m, &lamp, 1, &err), err);
+    test_camera(&cam, 60, 50, 70, 0);
+    test_look(rt_cam_obj, 0.4, 0.5, 0.3);
+    const double half[3] = {0.5, 0, 0};
+    for (int i = 0; i < 2; i++) {
+        if (i)
+            sheen_model_scale_highlights(&m, half);
+        assert_ok(sheen_drawing_new(&d, &m, &err), err);
+        assert_ok(sheen_draw(&layers[i], d, &cam, rt_cam_obj, NULL, NULL, &err), err);
+        sheen_drawing_free(&d);
+    }
+    double brightest = 0;
+    for (size_t i = 0; i < (size_t)60 * 50; i++) {
+        const float *was = layers[0].specular.data + 3 * i, *is = layers[1].specular.data + 3 * i;
+        brightest = fmax(brightest, (double)was[0]);
+        assert_close((double)is[0], 0.5 * (double)was[0], 1e-3); // what adds next to nothing may be left out
+        assert_close((double)is[1] + (double)is[2], 0, 1e-9);
+    }
+    assert_true(brightest > 0.5);
+    sheen_layers_release(&layers[0]);
+    sheen_layers_release(&layers[1]);
+    sheen_model_release(&m);
+}
+
 static void threads_change_nothing(void **state)
 {
     (void)state;
@@ -443,6 +479,7 @@ int main(void)
         cmocka_unit_test(agrees_with_a_plain_renderer),
         cmocka_unit_test(highlight_lies_in_the_mirror_direction),
         cmocka_unit_test(no_specks_along_the_outline),
+        cmocka_unit_test(scaled_highlights_are_scaled),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(drawn_again_is_the_same),
         cmocka_unit_test(geometry_of_a_sphere),
