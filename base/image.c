@@ -145,15 +145,31 @@ static int channel_of(const sheen_raster *r, int c)
     return r->n_channels >= 3 ? c : 0;
 }
 
+// How codes become light: by a curve with a name, or by a measured one (light not NULL).
+typedef struct curve {
+    sheen_transfer transfer;
+    const float *light;
+    int n_light;
+} curve;
+
+static float light_of(const curve *by, float code)
+{
+    if (!by->light)
+        return sheen_transfer_decode(by->transfer, code);
+    const float at = code * (float)(by->n_light - 1);
+    const int i = at < (float)(by->n_light - 2) ? (int)at : by->n_light - 2;
+    return by->light[i] + (at - (float)i) * (by->light[i + 1] - by->light[i]);
+}
+
 // Code values are few: one table entry each, then one look-up a sample.
-static sheen_status convert_coded(float *out, const sheen_raster *r, sheen_transfer transfer, sheen_err *err)
+static sheen_status convert_coded(float *out, const sheen_raster *r, const curve *by, sheen_err *err)
 {
     const size_t n_codes = (size_t)1 << r->bits, n_px = (size_t)r->width_px * (size_t)r->height_px;
     float *table = malloc(n_codes * sizeof *table);
     if (!table)
         return sheen_fail_memory(err, (double)(n_codes * sizeof *table), "a table of code values");
     for (size_t i = 0; i < n_codes; i++)
-        table[i] = sheen_transfer_decode(transfer, (float)i / (float)(n_codes - 1));
+        table[i] = light_of(by, (float)i / (float)(n_codes - 1));
     const uint8_t *in8 = r->data;
     const uint16_t *in16 = r->data;
     for (size_t i = 0; i < n_px; i++)
@@ -165,14 +181,13 @@ static sheen_status convert_coded(float *out, const sheen_raster *r, sheen_trans
     return SHEEN_OK;
 }
 
-sheen_status sheen_image_from_raster(sheen_image *out, const sheen_raster *r, sheen_transfer transfer,
-                                     sheen_err *err)
+static sheen_status image_from(sheen_image *out, const sheen_raster *r, const curve *by, sheen_err *err)
 {
     sheen_status s = sheen_image_init(out, r->width_px, r->height_px, 3, err);
     if (s)
         return s;
     if (r->bits != 32) {
-        s = convert_coded(out->data, r, transfer, err);
+        s = convert_coded(out->data, r, by, err);
         if (s)
             sheen_image_release(out);
         return s;
@@ -185,6 +200,20 @@ sheen_status sheen_image_from_raster(sheen_image *out, const sheen_raster *r, sh
             out->data[3 * i + (size_t)c] = isfinite(light) ? light : 0;
         }
     return SHEEN_OK;
+}
+
+sheen_status sheen_image_from_raster(sheen_image *out, const sheen_raster *r, sheen_transfer transfer,
+                                     sheen_err *err)
+{
+    const curve by = {.transfer = transfer};
+    return image_from(out, r, &by, err);
+}
+
+sheen_status sheen_image_from_curve(sheen_image *out, const sheen_raster *r, const float *light, int n_light,
+                                    sheen_err *err)
+{
+    const curve by = {.light = light, .n_light = n_light};
+    return image_from(out, r, &by, err);
 }
 
 // Luma of pixel i as the file codes it, full scale 1; 0 for what is not finite.

@@ -66,6 +66,9 @@ void sheen_raster_release(sheen_raster *r);
 // linear whatever `transfer` says; what is not finite in them becomes 0.
 sheen_status sheen_image_from_raster(sheen_image *out, const sheen_raster *r, sheen_transfer transfer,
                                      sheen_err *err);
+// The same by a measured curve instead: light at n_light (2 and more) codes evenly from 0 to 1, straight between them.
+sheen_status sheen_image_from_curve(sheen_image *out, const sheen_raster *r, const float *light, int n_light,
+                                    sheen_err *err);
 
 // 8-bit sRGB of a linear image of 1, 3 or 4 channels, clipped to 0..1; alpha stays linear. ENOMEM.
 sheen_status sheen_raster_from_linear(sheen_raster *out, const sheen_image *lin, sheen_err *err);

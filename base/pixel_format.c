@@ -146,20 +146,6 @@ static void spread_limited(sheen_raster *r)
     }
 }
 
-static sheen_status develop_mosaic(sheen_raster *out, const uint8_t *data, const sheen_pixel_layout *l,
-                                   const sheen_pixel_format *f, sheen_err *err)
-{
-    const size_t w = (size_t)l->width_px, n = w * (size_t)l->height_px;
-    uint16_t *mosaic = malloc(n * sizeof *mosaic);
-    if (!mosaic)
-        return sheen_fail_memory(err, (double)(n * sizeof *mosaic), "a mosaic");
-    for (size_t y = 0; y < (size_t)l->height_px; y++)
-        sheen_pixels_unpack(mosaic + y * w, data + y * (size_t)l->stride_bytes, l->width_px, f);
-    sheen_bayer_develop(out->data, mosaic, l->width_px, l->height_px, f->red);
-    free(mosaic);
-    return SHEEN_OK;
-}
-
 static void develop_plain(sheen_raster *out, const uint8_t *data, const sheen_pixel_layout *l,
                           const sheen_pixel_format *f)
 {
@@ -181,31 +167,26 @@ static void develop_plain(sheen_raster *out, const uint8_t *data, const sheen_pi
 static sheen_status develop(sheen_raster *out, const uint8_t *data, const sheen_pixel_layout *l,
                             const sheen_pixel_format *f, sheen_err *err)
 {
-    sheen_yuv_matrix m;
-    sheen_status s = SHEEN_OK;
-    switch (f->kind) {
-    case SHEEN_PIXEL_YUYV:
-    case SHEEN_PIXEL_NV12:
-        s = sheen_yuv_matrix_of(&m, &l->color, err);
+    if (f->kind == SHEEN_PIXEL_YUYV || f->kind == SHEEN_PIXEL_NV12) {
+        sheen_yuv_matrix m;
+        const sheen_status s = sheen_yuv_matrix_of(&m, &l->color, err);
         if (!s && f->kind == SHEEN_PIXEL_YUYV)
             sheen_yuyv_develop(out->data, data, l, &m);
         else if (!s)
             sheen_nv12_develop(out->data, data, l, &m);
         return s;
-    case SHEEN_PIXEL_BAYER:
-        return develop_mosaic(out, data, l, f, err);
-    default:
-        develop_plain(out, data, l, f);
-        return SHEEN_OK;
     }
+    develop_plain(out, data, l, f);
+    return SHEEN_OK;
 }
 
-sheen_status sheen_pixels_develop(sheen_raster *out, const void *data, size_t size_bytes,
-                                  const sheen_pixel_layout *layout, sheen_err *err)
+// The format of a payload that is whole, and an empty raster for it.
+static sheen_status begin(const sheen_pixel_format **f, sheen_raster *out, size_t size_bytes,
+                          const sheen_pixel_layout *layout, sheen_err *err)
 {
     *out = (sheen_raster){0};
-    const sheen_pixel_format *f = find(layout->fourcc);
-    if (!f)
+    *f = find(layout->fourcc);
+    if (!*f)
         return sheen_fail(err, SHEEN_EUNSUP,
                           "raw data of this format cannot be developed: V4L2's code 0x%08lx",
                           (unsigned long)layout->fourcc);
@@ -217,8 +198,62 @@ sheen_status sheen_pixels_develop(sheen_raster *out, const void *data, size_t si
     if (size_bytes < needed_bytes)
         return sheen_fail(err, SHEEN_EFORMAT, "the raw frame is cut short: %zu of %zu bytes", size_bytes,
                           needed_bytes);
-    const int n_channels = f->kind == SHEEN_PIXEL_GREY ? 1 : 3;
-    sheen_status s = sheen_raster_init(out, layout->width_px, layout->height_px, n_channels, 16, err);
+    const bool one = (*f)->kind == SHEEN_PIXEL_GREY || (*f)->kind == SHEEN_PIXEL_BAYER;
+    return sheen_raster_init(out, layout->width_px, layout->height_px, one ? 1 : 3, 16, err);
+}
+
+bool sheen_pixels_is_mosaic(uint32_t fourcc)
+{
+    const sheen_pixel_format *f = find(fourcc);
+    return f && f->kind == SHEEN_PIXEL_BAYER;
+}
+
+sheen_status sheen_pixels_mosaic(sheen_raster *out, const void *data, size_t size_bytes,
+                                 const sheen_pixel_layout *layout, sheen_err *err)
+{
+    const sheen_pixel_format *f;
+    const sheen_status s = begin(&f, out, size_bytes, layout, err);
+    if (s)
+        return s;
+    if (f->kind != SHEEN_PIXEL_BAYER) {
+        sheen_raster_release(out);
+        return sheen_fail(err, SHEEN_EUNSUP, "the format is no mosaic");
+    }
+    const size_t w = (size_t)layout->width_px;
+    for (size_t y = 0; y < (size_t)layout->height_px; y++)
+        sheen_pixels_unpack((uint16_t *)out->data + y * w,
+                            (const uint8_t *)data + y * (size_t)layout->stride_bytes, layout->width_px, f);
+    return SHEEN_OK;
+}
+
+sheen_status sheen_mosaic_develop(sheen_raster *out, const sheen_raster *mosaic, uint32_t fourcc,
+                                  sheen_err *err)
+{
+    const sheen_pixel_format *f = find(fourcc);
+    *out = (sheen_raster){0};
+    if (!f || f->kind != SHEEN_PIXEL_BAYER)
+        return sheen_fail(err, SHEEN_EUNSUP, "the format is no mosaic");
+    const sheen_status s = sheen_raster_init(out, mosaic->width_px, mosaic->height_px, 3, 16, err);
+    if (!s)
+        sheen_bayer_develop(out->data, mosaic->data, mosaic->width_px, mosaic->height_px, f->red);
+    return s;
+}
+
+sheen_status sheen_pixels_develop(sheen_raster *out, const void *data, size_t size_bytes,
+                                  const sheen_pixel_layout *layout, sheen_err *err)
+{
+    sheen_raster mosaic;
+    const sheen_pixel_format *f;
+    sheen_status s;
+    *out = (sheen_raster){0};
+    if (sheen_pixels_is_mosaic(layout->fourcc)) {
+        s = sheen_pixels_mosaic(&mosaic, data, size_bytes, layout, err);
+        if (!s)
+            s = sheen_mosaic_develop(out, &mosaic, layout->fourcc, err);
+        sheen_raster_release(&mosaic);
+        return s;
+    }
+    s = begin(&f, out, size_bytes, layout, err);
     if (!s)
         s = develop(out, data, layout, f, err);
     if (s)

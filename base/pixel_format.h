@@ -50,6 +50,15 @@ sheen_status sheen_pixels_transfer(sheen_transfer *out, uint32_t fourcc, const s
 sheen_status sheen_pixels_develop(sheen_raster *out, const void *data, size_t size_bytes,
                                   const sheen_pixel_layout *layout, sheen_err *err);
 
+// True for a mosaic of colours (Bayer).
+bool sheen_pixels_is_mosaic(uint32_t fourcc);
+// The two halves of developing a mosaic: its samples, one channel of 16 bits; and the picture that is interpolated from
+// such samples. EFORMAT, EUNSUP (no mosaic), ENOMEM.
+sheen_status sheen_pixels_mosaic(sheen_raster *out, const void *data, size_t size_bytes,
+                                 const sheen_pixel_layout *layout, sheen_err *err);
+sheen_status sheen_mosaic_develop(sheen_raster *out, const sheen_raster *mosaic, uint32_t fourcc,
+                                  sheen_err *err);
+
 #ifdef __cplusplus
 }
 #endif

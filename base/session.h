@@ -171,7 +171,7 @@ sheen_status sheen_session_raster(sheen_raster *out, const sheen_session *s, con
 // Its brightness as the eye divides it, 0..1, one channel.
 sheen_status sheen_session_grey(sheen_image *out, const sheen_session *s, const sheen_frame_info *f,
                                 sheen_err *err);
-// RGB, linear light.
+// RGB, linear light, by what the session knows of its camera (radiometry.h). EDATA where that is of other settings.
 sheen_status sheen_session_image(sheen_image *out, const sheen_session *s, const sheen_frame_info *f,
                                  sheen_err *err);
 // The object's mask of this frame, one channel 0..1; an empty image (data NULL) where there is none.

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "base/image_file.h"
+#include "base/radiometry.h"
 #include "base/session_private.h"
 
 enum { SIDECAR_MAX_BYTES = 1 << 20 };
@@ -221,6 +222,12 @@ sheen_status sheen_session_payload(uint8_t **data_out, size_t *size_bytes, const
                       path);
 }
 
+static sheen_status fail_size(const sheen_frame_info *f, int width_px, int height_px, sheen_err *err)
+{
+    return sheen_fail(err, SHEEN_EFORMAT, "frame '%s' is %d x %d px, its description says %d x %d", f->name,
+                      width_px, height_px, f->width_px, f->height_px);
+}
+
 sheen_status sheen_session_raster(sheen_raster *out, const sheen_session *s, const sheen_frame_info *f,
                                   sheen_err *err)
 {
@@ -237,8 +244,7 @@ sheen_status sheen_session_raster(sheen_raster *out, const sheen_session *s, con
     if (st)
         return sheen_wrap(err, st, "cannot read frame '%s'", f->name);
     if (out->width_px != f->width_px || out->height_px != f->height_px) {
-        st = sheen_fail(err, SHEEN_EFORMAT, "frame '%s' is %d x %d px, its description says %d x %d", f->name,
-                        out->width_px, out->height_px, f->width_px, f->height_px);
+        st = fail_size(f, out->width_px, out->height_px, err);
         sheen_raster_release(out);
     }
     return st;
@@ -260,12 +266,21 @@ sheen_status sheen_session_image(sheen_image *out, const sheen_session *s, const
                                  sheen_err *err)
 {
     *out = (sheen_image){0};
-    sheen_raster raster;
-    sheen_status st = sheen_session_raster(&raster, s, f, err);
+    sheen_radiometry r;
+    uint8_t *data = NULL;
+    size_t size_bytes = 0;
+    sheen_status st = sheen_radiometry_load(&r, s, f, err);
     if (st)
-        return st;
-    st = sheen_image_from_raster(out, &raster, f->transfer, err);
-    sheen_raster_release(&raster);
+        return sheen_wrap(err, st, "cannot turn frame '%s' into light", f->name);
+    st = sheen_session_payload(&data, &size_bytes, s, f, err);
+    if (!st && (st = sheen_radiometry_develop(out, &r, f, data, size_bytes, err)))
+        st = sheen_wrap(err, st, "cannot read frame '%s'", f->name);
+    free(data);
+    sheen_radiometry_release(&r);
+    if (!st && (out->width_px != f->width_px || out->height_px != f->height_px)) {
+        st = fail_size(f, out->width_px, out->height_px, err);
+        sheen_image_release(out);
+    }
     return st;
 }
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/json_write.h"
+#include "base/radiometry.h"
 #include "base/session_private.h"
 
 enum { LINE_MAX_BYTES = 320 };
@@ -51,6 +52,17 @@ static sheen_status frame_line(char line[LINE_MAX_BYTES], const sheen_session *s
     return st;
 }
 
+// How their numbers become light; "" where the session has measured nothing of its camera.
+static sheen_status radiometry_line(char line[LINE_MAX_BYTES], const sheen_session *s, sheen_err *err)
+{
+    char digest[33];
+    const sheen_status st = sheen_radiometry_digest(digest, s, err);
+    line[0] = 0;
+    if (!st && digest[0])
+        snprintf(line, LINE_MAX_BYTES, "radiometry %s\n", digest);
+    return st;
+}
+
 // "" where the role has no frames.
 static sheen_status digest_role(char hex[33], const sheen_session *s, sheen_role role, line_of *line,
                                 sheen_err *err)
@@ -60,14 +72,19 @@ static sheen_status digest_role(char hex[33], const sheen_session *s, sheen_role
     hex[0] = 0;
     if (!n)
         return SHEEN_OK;
-    char *text = malloc(n * LINE_MAX_BYTES), *end = text;
+    const size_t room = (n + 1) * LINE_MAX_BYTES;
+    char *text = malloc(room), *end = text;
     if (!text)
-        return sheen_fail_memory(err, (double)(n * LINE_MAX_BYTES), "the digest of the frames");
+        return sheen_fail_memory(err, (double)room, "the digest of the frames");
     for (size_t i = 0; !st && i < s->n_frames; i++)
         if (s->frames[i].role == role) {
             st = line(end, s, &s->frames[i], err);
             end += strlen(end);
         }
+    if (!st && line == frame_line) {
+        st = radiometry_line(end, s, err);
+        end += strlen(end);
+    }
     if (!st)
         sheen_digest(hex, text, (size_t)(end - text));
     free(text);

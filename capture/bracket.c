@@ -6,32 +6,40 @@
 #include <stdlib.h>
 
 #include "base/image_file.h"
+#include "base/radiometry.h"
 #include "capture/exposure_merge.h"
 
 _Static_assert((int)SHEEN_MERGE_MAX == (int)SHEEN_BRACKET_MAX, "one limit");
 static const double step = 4; // two stops
 
-static sheen_status take_picture(sheen_image *out, sheen_ladder *ladder, sheen_err *err)
+double sheen_bracket_factor(int i, int n)
+{
+    return pow(step, i - 0.5 * (n - 1));
+}
+
+static sheen_status take_picture(sheen_image *out, const sheen_session *session, sheen_ladder *ladder,
+                                 sheen_err *err)
 {
     sheen_frame frame;
-    sheen_raster r;
+    sheen_radiometry r;
     sheen_status s = sheen_ladder_next(ladder, &frame, err);
     if (!s)
-        s = sheen_frame_develop(&r, &frame, err);
+        s = sheen_radiometry_load(&r, session, &frame.info, err);
     if (s)
         return s;
-    s = sheen_image_from_raster(out, &r, frame.info.transfer, err);
-    sheen_raster_release(&r);
+    sheen_image_release(&r.gain); // is applied to the sum when that is read
+    s = sheen_radiometry_develop(out, &r, &frame.info, frame.data, frame.size_bytes, err);
+    sheen_radiometry_release(&r);
     return s;
 }
 
-static sheen_status take_exposures(sheen_exposure *e, int n, sheen_ladder *ladder, sheen_err *err)
+static sheen_status take_exposures(sheen_exposure *e, int n, const sheen_session *session,
+                                   sheen_ladder *ladder, sheen_err *err)
 {
     for (int i = 0; i < n; i++) {
-        sheen_status s = sheen_source_expose(ladder->src, pow(step, i - 0.5 * (n - 1)), &e[i].exposure_s,
-                                             err);
+        sheen_status s = sheen_source_expose(ladder->src, sheen_bracket_factor(i, n), &e[i].exposure_s, err);
         for (int k = 0; !s && k < 2; k++)
-            s = take_picture(&e[i].pair[k], ladder, err);
+            s = take_picture(&e[i].pair[k], session, ladder, err);
         if (s)
             return s;
     }
@@ -64,13 +72,13 @@ static sheen_status merge(sheen_frame *frame, uint8_t **payload_out, const sheen
     return SHEEN_OK;
 }
 
-sheen_status sheen_bracket_take(sheen_frame *frame, uint8_t **payload_out, sheen_ladder *ladder,
-                                int n_exposures, sheen_err *err)
+sheen_status sheen_bracket_take(sheen_frame *frame, uint8_t **payload_out, const sheen_session *session,
+                                sheen_ladder *ladder, int n_exposures, sheen_err *err)
 {
     sheen_exposure e[SHEEN_BRACKET_MAX] = {0};
     double reference_s;
     *payload_out = NULL;
-    sheen_status s = take_exposures(e, n_exposures, ladder, err);
+    sheen_status s = take_exposures(e, n_exposures, session, ladder, err);
     sheen_err back_err;
     const sheen_status back = sheen_source_expose(ladder->src, 1, &reference_s, &back_err);
     if (!s && back) {

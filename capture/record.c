@@ -236,7 +236,7 @@ static sheen_status record_one(recording *r, sheen_err *err)
     compare_camera(r, &frame);
     uint8_t *merged = NULL;
     if (o->bracket)
-        st = sheen_bracket_take(&frame, &merged, &r->ladder, o->bracket, err);
+        st = sheen_bracket_take(&frame, &merged, r->session, &r->ladder, o->bracket, err);
     if (!st)
         st = keep(r, &frame, verdict, err);
     free(merged);

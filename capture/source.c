@@ -138,6 +138,13 @@ sheen_status sheen_source_expose(sheen_source *src, double factor, double *expos
                             "the exposure of this source cannot be set: a bracket needs v4l2:");
 }
 
+sheen_status sheen_source_follow(sheen_source *src, const sheen_frame_info *earlier, bool covered,
+                                 bool *followed, sheen_err *err)
+{
+    *followed = false;
+    return src->backend->follow ? src->backend->follow(src->self, earlier, covered, followed, err) : SHEEN_OK;
+}
+
 bool sheen_source_can_recover(const sheen_source *src)
 {
     return src->backend->recover != NULL;

@@ -73,6 +73,13 @@ bool sheen_source_is_live(const sheen_source *src);
 // this source cannot, or is not locked.
 sheen_status sheen_source_expose(sheen_source *src, double factor, double *exposure_s_out, sheen_err *err);
 
+// From now on the lock holds the settings of an earlier frame of this camera, as far as that frame knows them; what the
+// URI fixes stays. covered: no light enters the lens, so that half the exposure cannot prove anything. To be called before
+// the first frame. *followed false: nothing to do (a frame of another camera, taken
+// without a lock, or no camera). EUNSUP where the camera does not take them.
+sheen_status sheen_source_follow(sheen_source *src, const sheen_frame_info *earlier, bool covered,
+                                 bool *followed, sheen_err *err);
+
 // What can be tried with a device that stalls, from the mildest on (ladder.h climbs it).
 typedef enum sheen_rung {
     SHEEN_RUNG_RESTART, // the stream

@@ -45,6 +45,9 @@ typedef struct sheen_source_backend {
     sheen_status (*recover)(void *self, sheen_rung rung, sheen_err *err);
     // As sheen_source_expose. NULL: cannot.
     sheen_status (*expose)(void *self, double factor, double *exposure_s_out, sheen_err *err);
+    // As sheen_source_follow. NULL: has no settings.
+    sheen_status (*follow)(void *self, const sheen_frame_info *earlier, bool covered, bool *followed,
+                           sheen_err *err);
     // Waits at most timeout_ms for a device that went away; true as soon as it may be there. NULL: just tries again.
     bool (*await)(void *self, int timeout_ms);
 

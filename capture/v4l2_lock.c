@@ -221,6 +221,34 @@ sheen_status sheen_v4l2_lock_set(sheen_v4l2_lock *lock, const sheen_v4l2_lock_op
     return s;
 }
 
+sheen_status sheen_v4l2_lock_follow(sheen_v4l2_lock *lock, const sheen_frame_info *earlier,
+                                    bool keep_exposure, const sheen_v4l2_io *io, int fd, const char *path,
+                                    sheen_err *err)
+{
+    for (int i = 0; i < earlier->n_controls; i++)
+        for (int k = 0; k < lock->n_settings; k++) {
+            sheen_v4l2_setting *set = &lock->settings[k];
+            const int32_t want = earlier->controls[i].value;
+            if (set->id != earlier->controls[i].id || set->value == want ||
+                (keep_exposure && set->id == V4L2_CID_EXPOSURE_ABSOLUTE))
+                continue;
+            int32_t got = 0;
+            int code = sheen_v4l2_control_set(io, fd, set->id, want);
+            if (!code)
+                code = sheen_v4l2_control_get(&got, io, fd, set->id);
+            if (code == ENODEV || code == EIO)
+                return sheen_v4l2_fail(err, code, "set the controls of", path);
+            if (code || got != want)
+                return sheen_fail(
+                    err, SHEEN_EUNSUP,
+                    "'%.100s' does not take the session's settings again: its %s was %ld; set it "
+                    "back where it can be set, or begin a new session",
+                    path, set->name, (long)want);
+            set->value = got;
+        }
+    return SHEEN_OK;
+}
+
 sheen_status sheen_v4l2_lock_check(const sheen_v4l2_lock *lock, sheen_frame_info *f, const sheen_v4l2_io *io,
                                    int fd, const char *path, sheen_err *err)
 {

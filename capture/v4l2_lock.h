@@ -28,6 +28,11 @@ bool sheen_v4l2_is_automatic(const sheen_v4l2_controls *c);
 // Sets the lock. EUNSUP where a control refuses or does not keep its value, with the names of all that do; ENODEV, EIO.
 sheen_status sheen_v4l2_lock_set(sheen_v4l2_lock *lock, const sheen_v4l2_lock_options *o,
                                  const sheen_v4l2_io *io, int fd, const char *path, sheen_err *err);
+// Gives the lock's settings the values that an earlier frame has for them, the exposure's only where keep_exposure is
+// false, and reads each back. EUNSUP with the name of one that is not taken; ENODEV, EIO.
+sheen_status sheen_v4l2_lock_follow(sheen_v4l2_lock *lock, const sheen_frame_info *earlier,
+                                    bool keep_exposure, const sheen_v4l2_io *io, int fd, const char *path,
+                                    sheen_err *err);
 // Reads every setting back into f->controls. EDATA where one is not as locked, with its name; ENODEV, EIO.
 sheen_status sheen_v4l2_lock_check(const sheen_v4l2_lock *lock, sheen_frame_info *f, const sheen_v4l2_io *io,
                                    int fd, const char *path, sheen_err *err);

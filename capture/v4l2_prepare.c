@@ -60,6 +60,18 @@ sheen_status sheen_v4l2_prepare_resume(sheen_v4l2_prepare *p, sheen_err *err)
     return sheen_v4l2_lock_again(&p->lock, p->stream->io, p->stream->fd, p->stream->path, err);
 }
 
+sheen_status sheen_v4l2_prepare_follow(sheen_v4l2_prepare *p, const sheen_frame_info *earlier, bool covered,
+                                       sheen_err *err)
+{
+    sheen_status s = p->locked ? SHEEN_OK : set_lock(p, err);
+    if (!s)
+        s = sheen_v4l2_lock_follow(&p->lock, earlier, p->options->exposure_s > 0, p->stream->io,
+                                   p->stream->fd, p->stream->path, err);
+    enter(p, SHEEN_V4L2_SETTLE);
+    p->probed = covered;
+    return s;
+}
+
 static sheen_status light_of(float rgb[3], const sheen_v4l2_prepare *p, const sheen_v4l2_frame *frame,
                              sheen_err *err)
 {

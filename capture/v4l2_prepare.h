@@ -45,6 +45,10 @@ void sheen_v4l2_prepare_again(sheen_v4l2_prepare *p);
 // The stream was started anew, maybe of a camera that was plugged in anew: the same lock is set again (where there was one
 // already), and everything is proven again. As sheen_v4l2_prepare_begin.
 sheen_status sheen_v4l2_prepare_resume(sheen_v4l2_prepare *p, sheen_err *err);
+// The lock is set now, with the settings of an earlier frame (but for an exposure that the options name), and all is
+// proven; covered: without the probe, which wants light. EUNSUP where one of them is not taken, with its name; as sheen_v4l2_prepare_begin.
+sheen_status sheen_v4l2_prepare_follow(sheen_v4l2_prepare *p, const sheen_frame_info *earlier, bool covered,
+                                       sheen_err *err);
 // Exposes `factor` times as long as the lock first said, and has the picture settle; the lock then holds that value.
 // EUNSUP where the camera does not take it, ENODEV, EIO.
 sheen_status sheen_v4l2_prepare_expose(sheen_v4l2_prepare *p, double factor, double *exposure_s_out,

@@ -273,6 +273,17 @@ static sheen_status camera_expose(void *self, double factor, double *exposure_s_
     return sheen_v4l2_prepare_expose(&c->prepare, factor, exposure_s_out, err);
 }
 
+static sheen_status camera_follow(void *self, const sheen_frame_info *earlier, bool covered, bool *followed,
+                                  sheen_err *err)
+{
+    camera *c = self;
+    if (!c->options.lock || earlier->lock != SHEEN_LOCK_HELD || !earlier->n_controls ||
+        !sheen_device_is_alike(earlier->device, c->device))
+        return SHEEN_OK;
+    *followed = true;
+    return sheen_v4l2_prepare_follow(&c->prepare, earlier, covered, err);
+}
+
 static void camera_stop(void *self)
 {
     const camera *c = self;
@@ -295,6 +306,7 @@ const sheen_source_backend sheen_source_v4l2 = {
     .counters = camera_counters,
     .recover = camera_recover,
     .expose = camera_expose,
+    .follow = camera_follow,
     .await = camera_await,
     .close = camera_close,
 };

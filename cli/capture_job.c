@@ -156,6 +156,26 @@ sheen_status sheen_cli_capture_record(sheen_cli *cli, sheen_cli_capture *a, shee
     return st;
 }
 
+// The camera is measured instead where that was asked for; else the session goes on under the settings that it was begun
+// with.
+static sheen_status use_camera(sheen_cli *cli, sheen_cli_capture *a, sheen_session *s, sheen_source *src,
+                               sheen_record_report *r, sheen_err *err)
+{
+    bool followed;
+    if (a->measure.dark || a->measure.flat || a->measure.response) {
+        a->o.progress = sheen_cli_progress(cli);
+        a->o.notice = on_notice;
+        a->o.notice_self = cli;
+        a->measure.bracket = a->o.bracket;
+        return sheen_cli_measure_camera(cli, &a->measure, s, src, &a->o, err);
+    }
+    const sheen_status st = sheen_cli_follow(cli, s, src, false, &followed, err);
+    if (st)
+        return st;
+    return a->turntable ? sheen_cli_capture_turns(cli, a, s, src, r, err)
+                        : sheen_cli_capture_record(cli, a, s, src, r, err);
+}
+
 // What a new session takes over from another one: it is not there yet, and the other has it.
 static sheen_status take_over(sheen_session *s, const char *like, sheen_err *err)
 {
@@ -195,8 +215,7 @@ sheen_status sheen_cli_capture_session(sheen_cli *cli, sheen_cli_capture *a, con
     if (!st)
         st = take_over(&s.session, a->like, err);
     if (!st)
-        st = a->turntable ? sheen_cli_capture_turns(cli, a, &s.session, src, &r, err)
-                          : sheen_cli_capture_record(cli, a, &s.session, src, &r, err);
+        st = use_camera(cli, a, &s.session, src, &r, err);
     sheen_cli_clear_bar(cli);
     if (st && r.n_recorded)
         sheen_cli_warn(cli, "%zu new frame%s recorded before that; the same command goes on from there",

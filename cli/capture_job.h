@@ -10,13 +10,15 @@
 
 #include "capture/record.h"
 #include "cli/cli.h"
+#include "cli/measure.h"
 
 typedef struct sheen_cli_capture {
     const char *device, *hook, *turntable, *turntable_file;
     const char *batch; // file of the objects
     const char *like;  // session that a new one takes its camera, board and mesh from
     int n_steps, n_rounds;
-    bool choose;   // --auto
+    bool choose; // --auto
+    sheen_cli_measure measure;
     bool then_run; // --then run
     double spread_deg, max_blur_px, max_motion_px;
     sheen_record_options o;

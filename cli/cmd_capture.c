@@ -18,6 +18,20 @@ static sheen_status check(sheen_cli *cli, sheen_cli_capture *a, bool free_count,
     if (a->turntable && a->choose)
         return sheen_cli_usage(cli, err,
                                "a turntable decides itself when frames are taken: leave --auto out");
+    if (a->choose && a->o.bracket)
+        return sheen_cli_usage(
+            cli, err,
+            "--bracket wants a camera that stands still, --auto one in the hand: leave one of "
+            "them out");
+    const int n_measures = a->measure.dark + a->measure.flat + a->measure.response;
+    if (n_measures > 1)
+        return sheen_cli_usage(cli, err, "--dark, --flat and --response are measured one at a time");
+    if (n_measures && (a->turntable || a->choose || a->o.count || a->hook || a->then_run))
+        return sheen_cli_usage(cli, err,
+                               "--dark, --flat and --response record no frames: leave --turntable, --auto, "
+                               "--count, --hook and --then out");
+    if (a->o.bracket && (a->measure.flat || a->measure.response))
+        return sheen_cli_usage(cli, err, "only --dark is taken for each exposure of --bracket");
     if (a->batch && !a->turntable)
         return sheen_cli_usage(cli, err, "--batch is of a turntable: give --turntable DEV");
     if (a->turntable)
@@ -25,10 +39,32 @@ static sheen_status check(sheen_cli *cli, sheen_cli_capture *a, bool free_count,
     return SHEEN_OK;
 }
 
+// What has to be understood yet.
+typedef struct words {
+    const char *role, *moving, *then;
+    int count;
+} words;
+
+static sheen_status take_words(sheen_cli *cli, sheen_cli_capture *a, const words *w, sheen_err *err)
+{
+    sheen_status s = SHEEN_OK;
+    if (w->role)
+        s = sheen_role_from_name(&a->o.role, w->role, err);
+    if (!s && w->moving)
+        s = sheen_moving_from_name(&a->moved, w->moving, err);
+    if (s)
+        return sheen_cli_option_status(cli, s);
+    a->o.set_role = w->role != NULL;
+    a->o.count = (size_t)w->count;
+    a->then_run = w->then != NULL;
+    if (w->then && strcmp(w->then, "run") != 0)
+        return sheen_cli_usage(cli, err, "after a capture comes 'run', not '%.40s'", w->then);
+    return check(cli, a, w->count || w->moving, err);
+}
+
 static sheen_status parse(sheen_cli *cli, sheen_cli_capture *a, sheen_err *err)
 {
-    const char *role = NULL, *moving = NULL, *then = NULL;
-    int count = 0;
+    words w = {0};
     const sheen_option options[] = {
         {"device", 0, SHEEN_OPTION_TEXT, &a->device, "URI",
          "where frames come from: v4l2:/dev/videoN is a camera\n(options: "
@@ -36,7 +72,7 @@ static sheen_status parse(sheen_cli *cli, sheen_cli_capture *a, sheen_err *err)
          "&rate=30\n&exposure_ms=20&mains=60&lock=off), replay:SESSION plays\na recorded session, "
          "replay:SESSION?role=test its frames of\none role",
          0, 0},
-        {"count", 0, SHEEN_OPTION_INT, &count, "N",
+        {"count", 0, SHEEN_OPTION_INT, &w.count, "N",
          "stop after N frames (default: when the recording ends; of a\ncamera one is taken for each Enter or "
          "SIGUSR1, until q)",
          1, 1e6},
@@ -56,6 +92,13 @@ static sheen_status parse(sheen_cli *cli, sheen_cli_capture *a, sheen_err *err)
          "as the "
          "one before",
          2, SHEEN_BRACKET_MAX},
+        {"dark", 0, SHEEN_OPTION_FLAG, &a->measure.dark, NULL,
+         "measure the camera instead: the lens is covered (with\n--bracket N: for each of its exposures)", 0,
+         0},
+        {"flat", 0, SHEEN_OPTION_FLAG, &a->measure.flat, NULL,
+         "measure the camera instead: an even white fills the picture", 0, 0},
+        {"response", 0, SHEEN_OPTION_FLAG, &a->measure.response, NULL,
+         "measure the camera instead: its curve, from exposures of a\nscene that stands still", 0, 0},
         {"hook", 0, SHEEN_OPTION_TEXT, &a->hook, "CMD",
          "run CMD by the shell at each step, with ACTION (init,\ndownload, stop) and ARGUMENT (the frame's "
          "file) in its\nenvironment",
@@ -76,11 +119,11 @@ static sheen_status parse(sheen_cli *cli, sheen_cli_capture *a, sheen_err *err)
          0, 0},
         {"like", 0, SHEEN_OPTION_TEXT, &a->like, "OTHER",
          "take the session's camera model, board and mesh, where it\nhas none, from this one", 0, 0},
-        {"then", 0, SHEEN_OPTION_TEXT, &then, "run",
+        {"then", 0, SHEEN_OPTION_TEXT, &w.then, "run",
          "after it the model, as 'sheen run' makes it; of a batch,\nof all objects that are complete", 0, 0},
-        {"role", 0, SHEEN_OPTION_TEXT, &role, "ROLE",
+        {"role", 0, SHEEN_OPTION_TEXT, &w.role, "ROLE",
          "record them as input, calibration or test\n(default: what the source says)", 0, 0},
-        {"moving", 0, SHEEN_OPTION_TEXT, &moving, "WHAT",
+        {"moving", 0, SHEEN_OPTION_TEXT, &w.moving, "WHAT",
          "of a new session: what moves between the frames,\ncamera (default) or object", 0, 0},
         {0},
     };
@@ -93,18 +136,7 @@ static sheen_status parse(sheen_cli *cli, sheen_cli_capture *a, sheen_err *err)
     sheen_status s = sheen_cli_parse(cli, options, 1, 1, err);
     if (s || cli->wants_help)
         return s;
-    if (role)
-        s = sheen_role_from_name(&a->o.role, role, err);
-    if (!s && moving)
-        s = sheen_moving_from_name(&a->moved, moving, err);
-    if (s)
-        return sheen_cli_option_status(cli, s);
-    a->o.set_role = role != NULL;
-    a->o.count = (size_t)count;
-    a->then_run = then != NULL;
-    if (then && strcmp(then, "run") != 0)
-        return sheen_cli_usage(cli, err, "after a capture comes 'run', not '%.40s'", then);
-    return check(cli, a, count || moving, err);
+    return take_words(cli, a, &w, err);
 }
 
 static sheen_status run(sheen_cli *cli, sheen_err *err)

@@ -23,3 +23,7 @@ sheen capture s --device replay:nowhere
 sheen capture s --json --count
 sheen capture s --json --device replay:nowhere
 ls
+# what does not go together
+sheen capture s --device v4l2:/dev/video0 --auto --bracket 3
+sheen capture s --device v4l2:/dev/video0 --dark --flat
+sheen capture s --device v4l2:/dev/video0 --flat --count 3

@@ -47,6 +47,11 @@ static const entry entries[] = {
     FAULT(light_off_at, INT64),
     FAULT(stamps_end, BOOL),
     FAULT(stamps_none, BOOL),
+    FAULT(ramp, BOOL),
+    FAULT(covered, BOOL),
+    FAULT(gamma, REAL),
+    FAULT(vignette, REAL),
+    FAULT(black, INT),
     FAULT(no_exposure, BOOL),
     FAULT(no_capture, BOOL),
 };

@@ -2,6 +2,7 @@
 // fake_sensor.c - frames as the fake camera's settings, its light and its faults make them.
 #include "tests/fake/fake_parts.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { AUTO_EXPOSURE = 290 }; // what its automatic finds, in 100 us
@@ -14,8 +15,8 @@ static int32_t exposure_now(fake_v4l2 *f)
     return e->value;
 }
 
-// Half of full scale at 300, on a light of 1.
-static uint8_t code_of(fake_v4l2 *f, int channel)
+// Half of full scale at 300.
+static double light_of(fake_v4l2 *f, int channel)
 {
     const int lag = f->faults.lag_frames;
     const int64_t i = f->n_frames;
@@ -27,7 +28,28 @@ static uint8_t code_of(fake_v4l2 *f, int channel)
         light *= 0.7;
     if (channel == 0 && f->faults.auto_white_at && i >= f->faults.auto_white_at)
         light *= 1.1;
-    return (uint8_t)(light > 1 ? 255 : light * 255 + 0.5);
+    return f->faults.covered ? 0 : light;
+}
+
+static uint8_t code_of(const fake_faults *o, double light)
+{
+    const double lit = o->gamma > 0 ? pow(light, 1 / o->gamma) : light;
+    return (uint8_t)(lit > 1 ? 255 : o->black + lit * (255 - o->black) + 0.5);
+}
+
+static void draw(const fake_v4l2 *f, uint8_t *out, int channel, double light)
+{
+    const fake_faults *o = &f->faults;
+    for (int x = 0; x < f->width_px; x++) {
+        const double share = (double)x / (f->width_px - 1);
+        const uint8_t code = code_of(o, light * (o->ramp ? 2 * share : 1) * (1 - o->vignette * share));
+        for (int y = 0; y < f->height_px; y++)
+            out[3 * (y * f->width_px + x) + channel] = code;
+    }
+    if (o->black) {
+        uint8_t *hot = out + (size_t)(3 * (5 * f->width_px + 5) + channel);
+        *hot = (uint8_t)(*hot > 155 ? 255 : *hot + 100);
+    }
 }
 
 void fake_play_settings(fake_v4l2 *f, size_t i_payload)
@@ -51,11 +73,8 @@ static size_t fill(fake_v4l2 *f, uint8_t *out)
         memcpy(out, f->payloads[i], f->payload_bytes[i]);
         return f->payload_bytes[i];
     }
-    for (int c = 0; c < 3; c++) {
-        const uint8_t code = code_of(f, c);
-        for (int i = 0; i < f->width_px * f->height_px; i++)
-            out[3 * i + c] = code;
-    }
+    for (int c = 0; c < 3; c++)
+        draw(f, out, c, light_of(f, c));
     memcpy(out, &f->n_frames, sizeof f->n_frames); // two pixels and a bit: which frame this is
     return fake_v4l2_frame_bytes(f);
 }

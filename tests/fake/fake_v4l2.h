@@ -66,6 +66,12 @@ typedef struct fake_faults {
     bool stamps_end, stamps_none; // timestamps: of the end of frames; of another clock
     bool no_exposure;             // has no controls at all
     bool no_capture;              // a node for metadata
+    // The sensor of the flat picture; all zero: an even linear one.
+    bool ramp;       // the light rises from left to right, from nothing to twice the flat picture's
+    bool covered;    // the lens
+    double gamma;    // codes are light to the power of 1 / gamma
+    double vignette; // share of the light that is missing at the right edge
+    int black;       // code without light; the pixel (5, 5) then has 100 more, whatever the light
 } fake_faults;
 
 // One opening of the node.
