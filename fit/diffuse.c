@@ -20,6 +20,7 @@ typedef struct sample {
     double mirrored[3];  // M without the room
     double basis[TERMS]; // of the room, 0 where the mirror direction does not lead there
     double schlick;      // (1 - cos)^5
+    double gloss;        // of the texel
     double weight;
 } sample;
 
@@ -42,6 +43,7 @@ static size_t gather(sample out[MAX_VIEWS], const sheen_texel_view *views, const
             sheen_ambient_basis(s->basis, above);
         const double u = 1 - (double)l->cosine[texel];
         s->schlick = u * u * u * u * u;
+        s->gloss = l->gloss ? (double)l->gloss[texel] : 1;
         const double doubt = lights_doubt * (double)sheen_luminance(l->lights_rgb + 3 * texel);
         s->weight = (double)l->cosine[texel] / (noise_lin * noise_lin + doubt * doubt) * noise_lin *
                     noise_lin;
@@ -61,7 +63,7 @@ static double fresnel(const sample *s, const sheen_surroundings *e)
 {
     if (!e->present)
         return 0;
-    return e->f0 + (1 - e->f0) * s->schlick;
+    return s->gloss * (e->f0 + (1 - e->f0) * s->schlick);
 }
 
 // I - S - F M.
@@ -137,20 +139,20 @@ static void add_ambient(normal_equations *q, const sample *s, const double *w, s
     }
 }
 
-// F0: y = I - S - schlick M = D + F0 (1 - schlick) M, with M the whole of it.
+// F0: y = I - S - gloss schlick M = D + F0 gloss (1 - schlick) M, with M the whole of it.
 static void add_f0(normal_equations *q, const sample *s, const double *w, size_t n,
                    const sheen_surroundings *e)
 {
     for (int c = 0; c < 3; c++) {
         double mean_x = 0, mean_y = 0, total = 0;
         for (size_t i = 0; i < n; i++) {
-            const double M = s[i].mirrored[c] + room(&s[i], e, c);
+            const double M = s[i].gloss * (s[i].mirrored[c] + room(&s[i], e, c));
             total += w[i];
             mean_x += w[i] * (1 - s[i].schlick) * M;
             mean_y += w[i] * (s[i].observed[c] - s[i].schlick * M);
         }
         for (size_t i = 0; i < n; i++) {
-            const double M = s[i].mirrored[c] + room(&s[i], e, c);
+            const double M = s[i].gloss * (s[i].mirrored[c] + room(&s[i], e, c));
             const double x = (1 - s[i].schlick) * M - mean_x / total;
             q->f0_above += w[i] * x * (s[i].observed[c] - s[i].schlick * M - mean_y / total);
             q->f0_below += w[i] * x * x;

@@ -81,6 +81,15 @@ static void move_lamp(sheen_lamp *lamp, const double by[PER_LAMP], float radius_
         lamp->rgb[c] *= next / Y;
 }
 
+// Of lamps begin .. begin + n at a sample, its gloss in it.
+static void respond(float *response, const sheen_lamp_points *points, size_t begin, size_t n,
+                    const sheen_lobe_shape *lobe, const sheen_lamp_sample *s)
+{
+    sheen_lamp_responses(response, points, begin, n, lobe, s->x_m, s->n_world, s->v_world);
+    for (size_t l = 0; l < n; l++)
+        response[l] *= s->gloss;
+}
+
 static void hide_piece(void *self, size_t begin, size_t end)
 {
     fit *f = self;
@@ -91,7 +100,7 @@ static void hide_piece(void *self, size_t begin, size_t end)
         for (size_t i = piece * PIECE; i < (piece + 1) * PIECE && i < f->samples->count; i++) {
             const sheen_lamp_sample *s = &f->samples->at[i];
             float response[SHEEN_LAMP_FIT_MAX];
-            sheen_lamp_responses(response, &f->points, 0, f->n, &wide, s->x_m, s->n_world, s->v_world);
+            respond(response, &f->points, 0, f->n, &wide, s);
             for (size_t l = 0; l < f->n; l++) {
                 float to_lamp[3];
                 if (response[l] * luminance_of(&f->lamps[l]) < negligible_lin)
@@ -131,7 +140,7 @@ static void cost_pieces(void *self, size_t begin, size_t end)
             const size_t i = f->index[k];
             const sheen_lamp_sample *s = &f->samples->at[i];
             float response[SHEEN_LAMP_FIT_MAX];
-            sheen_lamp_responses(response, &f->points, 0, f->n, &f->lobe, s->x_m, s->n_world, s->v_world);
+            respond(response, &f->points, 0, f->n, &f->lobe, s);
             sum += rho(f, sheen_lamp_residual(s, predict(f, i, response)));
         }
         f->piece_cost[piece] = sum;
@@ -199,7 +208,7 @@ static int derivatives(const fit *f, size_t i, const float *response, int *param
             float moved;
             if ((k == DISTANCE && !f->o.free_distance) || (k == RADIUS && !f->o.free_radius))
                 continue;
-            sheen_lamp_responses(&moved, &f->moved[k], l, 1, &f->lobe, s->x_m, s->n_world, s->v_world);
+            respond(&moved, &f->moved[k], l, 1, &f->lobe, s);
             const float step = k == RADIUS && f->lamps[l].radius_rad > f->lobe.sigma_rad ? 2 * by[k] : by[k];
             parameter[n] = first + k;
             slope[n++] = (double)(Y * (moved - response[l]) / step);
@@ -218,7 +227,7 @@ static int derivatives(const fit *f, size_t i, const float *response, int *param
             continue;
         const float step = k == 0 ? f->step.sigma : k == 1 ? f->step.tail : f->step.fresnel;
         *(k == 0 ? &lobe.sigma_rad : k == 1 ? &lobe.tail : &lobe.fresnel) += step;
-        sheen_lamp_responses(moved, &f->points, 0, f->n, &lobe, s->x_m, s->n_world, s->v_world);
+        respond(moved, &f->points, 0, f->n, &lobe, s);
         parameter[n] = PER_LAMP * (int)f->n + k;
         slope[n++] = (predict(f, i, moved) - before) / (double)step;
     }
@@ -238,7 +247,7 @@ static void accumulate_pieces(void *self, size_t begin, size_t end)
             float response[SHEEN_LAMP_FIT_MAX];
             int parameter[PER_LAMP * SHEEN_LAMP_FIT_MAX + SHARED];
             double slope[PER_LAMP * SHEEN_LAMP_FIT_MAX + SHARED];
-            sheen_lamp_responses(response, &f->points, 0, f->n, &f->lobe, s->x_m, s->n_world, s->v_world);
+            respond(response, &f->points, 0, f->n, &f->lobe, s);
             const double r = sheen_lamp_residual(s, predict(f, i, response));
             if (r == 0)
                 continue;
@@ -403,7 +412,7 @@ static void predict_piece(void *self, size_t begin, size_t end)
     for (size_t i = begin; i < end; i++) {
         const sheen_lamp_sample *s = &f->samples->at[i];
         float response[SHEEN_LAMP_FIT_MAX];
-        sheen_lamp_responses(response, &f->points, 0, f->n, &f->lobe, s->x_m, s->n_world, s->v_world);
+        respond(response, &f->points, 0, f->n, &f->lobe, s);
         p->out[i] = (float)predict(f, i, response);
     }
 }
@@ -432,7 +441,7 @@ static void add_colour_sample(double *gram, double *right, const fit *f, size_t 
     float response[SHEEN_LAMP_FIT_MAX];
     if (s->clipped)
         return;
-    sheen_lamp_responses(response, &f->points, 0, f->n, &f->lobe, s->x_m, s->n_world, s->v_world);
+    respond(response, &f->points, 0, f->n, &f->lobe, s);
     const double r = (double)s->Y - predict(f, i, response);
     const double w = 1 / (1 + 0.5 * r * r / (f->o.scale * f->o.scale));
     for (size_t l = 0; l < f->n; l++) {

@@ -22,7 +22,7 @@ static void to_world(float out[3], const sheen_Rt *Rt, const float p_obj[3])
 }
 
 static void add(sheen_lamp_samples *out, const sheen_residual_pixel *p, const sheen_Rt *Rt_world_obj,
-                size_t view, int lit)
+                size_t view, int lit, const sheen_gloss *gloss)
 {
     sheen_lamp_sample *s = &out->at[out->count++];
     *s = (sheen_lamp_sample){.view = (uint32_t)view, .clipped = p->clipped, .lit = (uint8_t)lit};
@@ -34,6 +34,9 @@ static void add(sheen_lamp_samples *out, const sheen_residual_pixel *p, const sh
     memcpy(s->p_obj, p->p_obj, sizeof s->p_obj);
     memcpy(s->rgb, p->rgb, sizeof s->rgb);
     s->Y = sheen_luminance(p->rgb);
+    for (int c = 0; c < 3; c++)
+        s->texture_root[c] = (float)p->texture_root[c] / 255;
+    s->gloss = gloss ? sheen_gloss_at_root(gloss, s->texture_root) : 1;
     out->n_lit += (size_t)lit;
 }
 
@@ -63,7 +66,7 @@ sheen_status sheen_lamp_samples_take(sheen_lamp_samples *out, const sheen_residu
             const sheen_residual_pixel *p = &residuals[v].pixels[i];
             const int lit = is_lit(p, o->threshold_lin);
             if (i_of[lit]++ % step[lit] == 0)
-                add(out, p, &Rt_world_obj, v, lit);
+                add(out, p, &Rt_world_obj, v, lit, o->gloss);
         }
     }
     return SHEEN_OK;

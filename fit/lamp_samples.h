@@ -4,11 +4,14 @@
 #define SHEEN_FIT_LAMP_SAMPLES_H
 
 #include "fit/residual.h"
+#include "render/gloss.h"
 
 typedef struct sheen_lamp_sample {
     float x_m[3]; // the surface point from the lamps' origin, frame world
     float n_world[3], v_world[3], p_obj[3];
-    float rgb[3], Y; // residual, linear
+    float rgb[3], Y;       // residual, linear
+    float gloss;           // by which the place shines (gloss.h)
+    float texture_root[3]; // square root of its texture's colour
     uint32_t view;
     uint8_t clipped; // the photograph is at its upper end: the residual is a lower bound
     uint8_t lit;     // Y above the threshold, or clipped
@@ -23,6 +26,7 @@ typedef struct sheen_lamp_samples {
 typedef struct sheen_lamp_samples_options {
     float threshold_lin;
     size_t max_lit, max_dark; // more are thinned evenly
+    const sheen_gloss *gloss; // NULL: 1 everywhere
 } sheen_lamp_samples_options;
 
 // centre_obj, radius_m: the mesh's sphere; its image in world under the first photograph's pose becomes the origin. ENOMEM.

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // refined_lamps.c - the step that estimates lamps and their lobe, and makes them the model's.
+#include <stdlib.h>
 #include <string.h>
 
+#include "fit/gloss_fit.h"
 #include "fit/refined_state.h"
 #include "fit/start_sigma.h"
 
@@ -59,11 +61,37 @@ static sheen_status use_lamps(sheen_refined_state *r, const sheen_lamp_samples *
     return sheen_model_set_lamps(m, list->lamps, list->n, err);
 }
 
+// k_S by region, given the lamps; samples and lamps are brought in step with it.
+static sheen_status fit_gloss(sheen_refined_state *r, sheen_lamp_samples *samples,
+                              const sheen_lamp_fit_options *o, sheen_err *err)
+{
+    sheen_gloss *gloss = &r->f->model.gloss;
+    double strength;
+    float *predicted = malloc((samples->count + 1) * sizeof *predicted);
+    if (!predicted)
+        return sheen_fail_memory(err, 4.0 * (double)samples->count, "samples");
+    for (size_t i = 0; i < samples->count; i++)
+        samples->at[i].gloss = 1;
+    sheen_status s = sheen_lamp_predict(predicted, r->lamps.lamps, r->lamps.n, &r->lamps.lobe, samples, o,
+                                        err);
+    if (!s)
+        s = sheen_gloss_fit(gloss, &strength, samples, predicted, r->lamps.scale, err);
+    free(predicted);
+    if (s)
+        return s;
+    for (size_t i = 0; i < samples->count; i++)
+        samples->at[i].gloss = sheen_gloss_at_root(gloss, samples->at[i].texture_root);
+    for (size_t i = 0; i < r->lamps.n; i++)
+        for (int c = 0; c < 3; c++)
+            r->lamps.lamps[i].rgb[c] *= (float)strength;
+    return SHEEN_OK;
+}
+
 sheen_status sheen_refined_lamps(sheen_refined_state *r, sheen_err *err)
 {
     float centre_obj[3], radius_m;
     sheen_lamp_samples samples = {0};
-    const sheen_lamp_samples_options so = {(float)r->f->threshold_lin, MAX_LIT, MAX_DARK};
+    const sheen_lamp_samples_options so = {(float)r->f->threshold_lin, MAX_LIT, MAX_DARK, &r->f->model.gloss};
     sheen_mesh_sphere(r->mesh, centre_obj, &radius_m);
     sheen_status s = r->round ? SHEEN_OK : start_lobe(r, err);
     if (!s)
@@ -79,11 +107,18 @@ sheen_status sheen_refined_lamps(sheen_refined_state *r, sheen_err *err)
                                                .free_sigma = 1,
                                                .free_tail = r->round > 0,
                                                .free_fresnel = r->round > 0,
+                                               .scale = 1,
                                                .n_threads = r->o.n_threads,
                                                .hidden = is_hidden,
                                                .hidden_self = r},
                                        .progress = r->o.progress};
-    if (!(s = sheen_lamp_list_fit(&r->lamps, &samples, &o, err)))
+    const int gloss_before = r->f->model.gloss.n;
+    s = sheen_lamp_list_fit(&r->lamps, &samples, &o, err);
+    if (!s && r->lamps.n)
+        s = fit_gloss(r, &samples, &o.fit, err);
+    if (!s && !gloss_before && r->f->model.gloss.n) // the first lamps were found without
+        s = sheen_lamp_list_fit(&r->lamps, &samples, &o, err);
+    if (!s)
         s = use_lamps(r, &samples, err);
     sheen_lamp_samples_release(&samples);
     return s;

@@ -4,6 +4,8 @@
 
 #include <stdlib.h>
 
+#include "base/parallel.h"
+
 static void fill_texels(sheen_refined_state *r, size_t i_view)
 {
     sheen_texel_view_fill(&r->views[i_view], r->mesh, r->scene, &r->f->gbuffers[i_view], &r->photos->cam,
@@ -20,7 +22,8 @@ sheen_status sheen_refined_state_init(sheen_refined_state *r, sheen_err *err)
     r->views = calloc(n, sizeof *r->views);
     r->lights = calloc(n, sizeof *r->lights);
     r->shading = calloc(n, sizeof *r->shading);
-    if (!r->views || !r->lights || !r->shading)
+    r->gloss = malloc((n_triangles * sheen_texels_per_triangle(edge) + 1) * sizeof *r->gloss);
+    if (!r->gloss || !r->views || !r->lights || !r->shading)
         return sheen_fail_memory(err, 500.0 * (double)n, "views");
     for (size_t i = 0; i < n && !s; i++) {
         if ((s = sheen_texel_view_init(&r->views[i], n_triangles, edge, err)) ||
@@ -42,6 +45,7 @@ void sheen_refined_state_release(sheen_refined_state *r)
     free(r->views);
     free(r->lights);
     free(r->shading);
+    free(r->gloss);
     sheen_lamp_points_release(&r->points);
     sheen_light_cells_free(&r->cells);
     sheen_scene_free(&r->scene);
@@ -61,6 +65,14 @@ sheen_status sheen_refined_reload_view(sheen_refined_state *r, size_t i_view, sh
     return SHEEN_OK;
 }
 
+static void fill_gloss(void *self, size_t begin, size_t end)
+{
+    const sheen_refined_state *r = self;
+    const sheen_model *m = &r->f->model;
+    for (size_t texel = begin; texel < end; texel++)
+        r->gloss[texel] = sheen_gloss_at(&m->gloss, m->texture.rgb + 3 * texel);
+}
+
 sheen_status sheen_refined_light_views(sheen_refined_state *r, sheen_err *err)
 {
     sheen_model *m = &r->f->model;
@@ -69,7 +81,10 @@ sheen_status sheen_refined_light_views(sheen_refined_state *r, sheen_err *err)
     sheen_status s = sheen_light_cells_new(&r->cells, &m->lights, (float)m->sigma_rad, err);
     if (!s)
         s = sheen_lamp_points_init(&r->points, m->lamps, m->n_lamps, (float)m->sigma_rad, err);
+    if (m->gloss.n)
+        sheen_parallel_for(r->views[0].n_texels, 4096, r->o.n_threads, fill_gloss, r);
     for (size_t i = 0; i < r->f->n_views && !s; i++) {
+        r->lights[i].gloss = m->gloss.n ? r->gloss : NULL;
         if ((s = sheen_progress_step(&r->o.progress, "highlights and mirror images", (int)i,
                                      (int)r->f->n_views, err)))
             break;
@@ -94,7 +109,11 @@ static void subtract_mirrored(sheen_refined_state *r, size_t i_view)
         sheen_normal_map_surface(r->mesh, &r->f->model.normals, &g->hits[at], g->p_camera_obj, NULL, n_obj,
                                  v_obj);
         sheen_shade_mirrored(mirrored, &r->shading[i_view], p->p_obj, n_obj, v_obj);
-        const float F = sheen_fresnel(r->f->model.surroundings.f0, sheen_dotf(n_obj, v_obj));
+        float root[3];
+        for (int c = 0; c < 3; c++)
+            root[c] = (float)p->texture_root[c] / 255;
+        const float F = sheen_gloss_at_root(&r->f->model.gloss, root) *
+                        sheen_fresnel(r->f->model.surroundings.f0, sheen_dotf(n_obj, v_obj));
         for (int c = 0; c < 3; c++)
             p->rgb[c] -= F * mirrored[c];
         if (r->f->model.irradiance.present) { // the texture is an albedo

@@ -18,6 +18,7 @@ typedef struct sheen_refined_state {
     sheen_paper_options o;
     sheen_scene *scene;
     sheen_texel_view *views;  // [n_views] colours of the photographs at the texels
+    float *gloss;             // [n_texels] what the model has for them, lent to the lights
     sheen_view_light *lights; // [n_views] what the model predicts there besides the diffuse part
     sheen_light_cells *cells;
     sheen_lamp_points points;   // of the model's lamps

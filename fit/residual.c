@@ -70,6 +70,8 @@ static bool make_pixel(sheen_residual_pixel *out, const residual_view *view, int
     const float *photo = sheen_image_at(&view->photo->image, out->x_px, out->y_px);
     sheen_subf(out->rgb, photo, diffuse);
     out->clipped = photo[0] >= clipped_lin || photo[1] >= clipped_lin || photo[2] >= clipped_lin;
+    for (int c = 0; c < 3; c++)
+        out->texture_root[c] = (uint8_t)(255 * sqrtf(fminf(1, fmaxf(0, diffuse[c]))) + 0.5f);
     turn(out->n_world, &view->Rt_world_obj, n_obj);
     turn(out->v_world, &view->Rt_world_obj, v_obj);
     return true;

@@ -15,7 +15,8 @@ typedef struct sheen_residual_pixel {
     float n_world[3], v_world[3]; // unit normal, unit direction to the camera
     float p_obj[3];
     int x_px, y_px;
-    uint8_t clipped; // the photograph is at its upper end in some channel
+    uint8_t clipped;         // the photograph is at its upper end in some channel
+    uint8_t texture_root[3]; // 255 times the square root of the texture's colour there
 } sheen_residual_pixel;
 
 // The pixels of one view that count: the object is seen clear of depth edges at n.v >= SHEEN_SEEN_MIN_COS, and the

@@ -10,7 +10,7 @@
 
 sheen_status sheen_view_light_init(sheen_view_light *l, size_t n_texels, sheen_err *err)
 {
-    l->n_texels = n_texels;
+    *l = (sheen_view_light){.n_texels = n_texels};
     l->lights_rgb = malloc((3 * n_texels + 1) * sizeof(float));
     l->mirrored_rgb = malloc((3 * n_texels + 1) * sizeof(float));
     l->above_world = malloc((3 * n_texels + 1) * sizeof(float));
@@ -83,6 +83,8 @@ static void shade_triangles(void *self, size_t begin, size_t end)
             j->out->cosine[texel] = sheen_dotf(q.n_obj + 3 * k, q.v_obj + 3 * k);
             sheen_shade_lights(j->out->lights_rgb + 3 * texel, j->shading, q.p_obj + 3 * k, q.n_obj + 3 * k,
                                q.v_obj + 3 * k);
+            for (int c = 0; c < 3 && j->out->gloss; c++)
+                j->out->lights_rgb[3 * texel + (size_t)c] *= j->out->gloss[texel];
             if (!j->with_mirrored)
                 continue;
             memcpy(j->out->mirrored_rgb + 3 * texel, rgb + 3 * k, 3 * sizeof *rgb);

@@ -15,6 +15,8 @@ typedef struct sheen_view_light {
         above_world; // [n_texels][3] the mirror direction where it leads up and out, else 0: the room's radiance is
                      //               to be found
     float *cosine; // [n_texels] n.v
+    const float *
+        gloss; // [n_texels] of the texels' colours, lent; in lights_rgb, not in mirrored_rgb. NULL: 1 everywhere
     size_t n_texels;
 } sheen_view_light;
 

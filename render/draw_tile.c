@@ -46,6 +46,7 @@ void sheen_tile_diffuse(sheen_tile *tile, const sheen_shading *s, const double p
     for (int i = 0; i < tile->count; i++) {
         float *rgb = tile->diffuse[i];
         tile->hole[i] = sheen_texture_sample(&s->model->texture, tile->hits[i], rgb) <= 0;
+        tile->gloss[i] = sheen_gloss_at(&s->model->gloss, rgb);
         if (tile->hole[i] || !s->model->irradiance.present)
             continue;
         // Where the object turned, its texture is an albedo.
@@ -176,7 +177,7 @@ static void shade_each(sheen_tile *tile, const sheen_lobe_block *b, const bool *
         sheen_hit_surface(&s->model->mesh, tile->hits[i], p_camera_obj, p, NULL, NULL);
         memset(tile->specular[i], 0, sizeof tile->specular[i]);
         if (!dark[i])
-            sheen_shade(tile->specular[i], s, p, n, v);
+            sheen_shade(tile->specular[i], s, tile->gloss[i], p, n, v);
     }
 }
 
@@ -203,7 +204,7 @@ void sheen_tile_specular(sheen_tile *tile, const sheen_shading *s, const double 
     surface(&b, facing, tile, &s->model->mesh, p_camera_obj);
     bend(&b, facing, tile, &s->model->normals);
     mend_outline(&b, dark, facing, tile, &s->model->mesh);
-    if (s->model->shadows || s->model->surroundings.present || s->model->n_lamps)
+    if (s->model->shadows || s->model->surroundings.present || s->model->n_lamps || s->model->gloss.n)
         shade_each(tile, &b, dark, s, p_camera_obj);
     else
         shade_together(tile, &b, dark, s);

@@ -17,12 +17,14 @@ typedef struct sheen_tile {
     const sheen_hit *hits[SHEEN_TILE_SAMPLES];
     uint8_t x[SHEEN_TILE_SAMPLES], y[SHEEN_TILE_SAMPLES]; // sample within the square
     float diffuse[SHEEN_TILE_SAMPLES][3], specular[SHEEN_TILE_SAMPLES][3];
-    bool hole[SHEEN_TILE_SAMPLES]; // no photograph saw the place; diffuse is black there
+    float gloss[SHEEN_TILE_SAMPLES]; // by the texture's colour
+    bool hole[SHEEN_TILE_SAMPLES];   // no photograph saw the place; diffuse is black there
 } sheen_tile;
 
 // The samples [x0, x0 + side) x [y0, y0 + side) of g, cut to it; side <= SHEEN_TILE_MAX_SIDE.
 void sheen_tile_gather(sheen_tile *tile, const sheen_gbuffer *g, int x0, int y0, int side);
 void sheen_tile_diffuse(sheen_tile *tile, const sheen_shading *shading, const double p_camera_obj[3]);
+// After sheen_tile_diffuse, which finds the gloss.
 void sheen_tile_specular(sheen_tile *tile, const sheen_shading *shading, const double p_camera_obj[3]);
 
 #endif

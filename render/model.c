@@ -114,6 +114,8 @@ sheen_status sheen_model_check(const sheen_model *m, sheen_status code, sheen_er
         s = sheen_model_check_irradiance(&m->irradiance, code, err);
     if (!s)
         s = sheen_model_check_lamps(m, code, err);
+    if (!s)
+        s = sheen_model_check_gloss(&m->gloss, code, err);
     return s ? s : check_lights(m, code, err);
 }
 
@@ -149,6 +151,7 @@ void sheen_model_put_numbers(sheen_json_writer *w, const sheen_model *m)
     sheen_json_put_numbers(w, "rt_world_obj", m->rt_world_obj, 6);
     write_lights(w, m);
     sheen_model_write_lamps(w, m);
+    sheen_model_put_gloss(w, &m->gloss);
     sheen_model_put_surroundings(w, m);
     sheen_model_put_irradiance(w, m);
 }
@@ -225,9 +228,9 @@ sheen_status sheen_model_save(const sheen_model *m, const sheen_session *s, cons
     sheen_json_writer w = {0};
     sheen_json_open(&w, NULL, '{');
     sheen_json_put_string(&w, "schema",
-                          m->normals.n_triangles ? "sheen-model/3"
-                          : m->n_lamps           ? "sheen-model/2"
-                                                 : "sheen-model/1");
+                          m->normals.n_triangles || m->gloss.n ? "sheen-model/3"
+                          : m->n_lamps                         ? "sheen-model/2"
+                                                               : "sheen-model/1");
     sheen_model_put_numbers(&w, m);
     write_surface(&w, m, mesh_file, mesh_digest);
     if (extra)

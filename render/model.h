@@ -10,6 +10,7 @@
 #include "base/json_write.h"
 #include "base/mesh.h"
 #include "base/session.h"
+#include "render/gloss.h"
 #include "render/irradiance.h"
 #include "render/lamp.h"
 #include "render/lobe.h"
@@ -42,6 +43,7 @@ typedef struct sheen_model {
     size_t n_lamps;
     double lamp_origin_world[3];     // their directions and distances are from here
     double lobe_tail, lobe_fresnel;  // of the lamps' lobe, whose sigma is sigma_rad
+    sheen_gloss gloss;               // how strongly each colour of texture shines (beyond the paper)
     int shadows;                     // 1: the mesh hides lights from its own surface (beyond the paper)
     sheen_irradiance irradiance;     // of an object that turned: the light on its texture (beyond the paper)
     sheen_surroundings surroundings; // what is mirrored besides the lights (beyond the paper)

@@ -120,6 +120,8 @@ sheen_status sheen_model_get_numbers(sheen_model *m, const sheen_json *root, she
     if (!s)
         s = sheen_model_parse_lamps(m, root, err);
     if (!s)
+        s = sheen_model_get_gloss(&m->gloss, root, err);
+    if (!s)
         s = sheen_model_get_surroundings(m, root, err);
     if (!s)
         s = sheen_model_get_irradiance(m, root, err);

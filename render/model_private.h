@@ -6,7 +6,7 @@
 #include "render/model.h"
 
 #define SHEEN_MODEL_SCHEMA "sheen-model"
-enum { SHEEN_MODEL_VERSION = 3 }; // 2: with lamps; 3: with a normal map
+enum { SHEEN_MODEL_VERSION = 3 }; // 2: with lamps; 3: with a normal map or gloss by colour
 #define SHEEN_MODEL_FILE "model.json"
 #define SHEEN_MODEL_TEXTURE_FILE "texture.exr"
 
@@ -41,6 +41,11 @@ sheen_status sheen_model_load_normals(sheen_model *m, const char *dir, const she
 sheen_status sheen_model_save_atlas(const sheen_texture *t, const char *path, sheen_err *err);
 sheen_status sheen_model_load_atlas(sheen_texture *t, const char *dir, const sheen_json *in,
                                     size_t n_triangles, int texels_per_edge, sheen_err *err);
+
+// How strongly each colour of texture shines (model_gloss.c).
+sheen_status sheen_model_check_gloss(const sheen_gloss *g, sheen_status code, sheen_err *err);
+void sheen_model_put_gloss(sheen_json_writer *w, const sheen_gloss *g);
+sheen_status sheen_model_get_gloss(sheen_gloss *g, const sheen_json *root, sheen_err *err);
 
 // Nodes of the geodesic hemisphere of a frequency.
 size_t sheen_model_hemisphere_size(int frequency);

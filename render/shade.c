@@ -254,15 +254,15 @@ void sheen_shade_mirrored(float rgb[3], const sheen_shading *s, const float p_ob
         sheen_surroundings_radiance(rgb, &s->model->surroundings, p_obj, above_world);
 }
 
-void sheen_shade(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
-                 const float v_obj[3])
+void sheen_shade(float rgb[3], const sheen_shading *s, float gloss, const float p_obj[3],
+                 const float n_obj[3], const float v_obj[3])
 {
-    float mirrored[3];
+    float mirrored[3] = {0, 0, 0}, F = 0;
     sheen_shade_lights(rgb, s, p_obj, n_obj, v_obj);
-    if (!s->model->surroundings.present)
-        return;
-    sheen_shade_mirrored(mirrored, s, p_obj, n_obj, v_obj);
-    const float F = sheen_fresnel(s->model->surroundings.f0, sheen_dotf(n_obj, v_obj));
+    if (s->model->surroundings.present) {
+        sheen_shade_mirrored(mirrored, s, p_obj, n_obj, v_obj);
+        F = sheen_fresnel(s->model->surroundings.f0, sheen_dotf(n_obj, v_obj));
+    }
     for (int c = 0; c < 3; c++)
-        rgb[c] += F * mirrored[c];
+        rgb[c] = gloss * (rgb[c] + F * mirrored[c]);
 }

@@ -26,7 +26,7 @@ void sheen_shading_init(sheen_shading *s, const sheen_model *model, const sheen_
                         const sheen_light_cells *cells, const sheen_lamp_points *lamps,
                         const double rt_world_obj[6]);
 
-// Specular light of nodes by eq. (7) (times k_S and the lights' colour), and of lamps (lamp.h), each shadowed by the mesh where the model says so.
+// Specular light, for a gloss of 1, of nodes by eq. (7) (times k_S and the lights' colour), and of lamps (lamp.h), each shadowed by the mesh where the model says so.
 void sheen_shade_lights(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
                         const float v_obj[3]);
 // E of irradiance.h at a point: what the texture there is multiplied by. 1 where the model has none.
@@ -42,9 +42,9 @@ void sheen_shade_mirrored(float rgb[3], const sheen_shading *s, const float p_ob
 // object or the plane, and black where it leads up and out; then above_world is that direction, else 0.
 void sheen_shade_split(float *rgb, float *above_world, const sheen_shading *s, const float *p_obj,
                        const float *n_obj, const float *v_obj, size_t n);
-// Both, the second times F.
-void sheen_shade(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
-                 const float v_obj[3]);
+// Both, the second times F, and all times the place's gloss (gloss.h).
+void sheen_shade(float rgb[3], const sheen_shading *s, float gloss, const float p_obj[3],
+                 const float n_obj[3], const float v_obj[3]);
 
 #ifdef __cplusplus
 }

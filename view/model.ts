@@ -20,6 +20,7 @@ export interface Model {
     lightRgb: number[];
     shadows: boolean; // the mesh hides lights from its own surface
     lamps: Lamps | null;
+    gloss: { width: number; colours: number[][] } | null; // how strongly each colour of texture shines (render/gloss.h)
     surroundings: Surroundings | null;
     worldFromObj: number[]; // Rodrigues vector, translation
     boardFromObj: number[];
@@ -179,6 +180,7 @@ interface Numbers {
             fresnel: number;
             lights: { direction_world: number[]; inverse_distance_per_m: number; radius_rad: number; rgb: number[] }[];
         };
+        gloss?: { width: number; colours: number[][] };
         surroundings?: {
             f0: number;
             ambient_rgb: number[][];
@@ -208,6 +210,7 @@ function readNumbers(text: Uint8Array): Numbers {
         vector(m?.rt_world_obj, 6) && m.k_s >= 0 && m.sigma_rad > 0 && vector(m.light_rgb, 3) && m.n_hemisphere > 0 &&
         Array.isArray(m.nodes?.radiance) && m.nodes.direction_world?.length === m.nodes.radiance.length &&
         (!around || (around.f0 >= 0 && vector(around.table_rgb, 3) && around.ambient_rgb?.length === 9 && around.ambient_rgb.every((x) => vector(x, 3)))) &&
+        (!m.gloss || (m.gloss.width > 0 && m.gloss.colours?.length <= 32 && m.gloss.colours.every((x) => vector(x, 4)))) &&
         (!around?.board || (around.board.pitch_m > 0 && vector(n.board_size_px, 2) && Number.isFinite(n.board_white)));
     if (!good) throw damaged();
     return n;
@@ -317,6 +320,7 @@ export async function readModel(progress: (share: number) => Promise<void>): Pro
         lightRgb: model.light_rgb,
         shadows: model.shadows,
         lamps: readLamps(model),
+        gloss: model.gloss ?? null,
         surroundings: await readSurroundings(numbers),
         worldFromObj: model.rt_world_obj,
         boardFromObj: numbers.rt_board_obj,

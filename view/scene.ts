@@ -182,6 +182,9 @@ export class Stage {
                 nLamps: { value: model.lamps?.lights.length ?? 0 },
                 lampOrigin: { value: new Vector3() },
                 lampLobe: { value: new Vector3(model.lamps?.tail ?? 0, model.lamps?.fresnel ?? 0, 1) },
+                nGloss: { value: model.gloss?.colours.length ?? 0 },
+                glossWidth: { value: model.gloss?.width ?? 1 },
+                gloss: { value: Array.from({ length: 32 }, (_, i) => new Vector4(...(model.gloss?.colours[i] ?? [0, 0, 0, 0]))) },
                 ...surroundingsUniforms(model),
             },
         });

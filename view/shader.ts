@@ -60,6 +60,9 @@ uniform sampler2D lamps; // lamps.ts
 uniform int nLamps;
 uniform vec3 lampOrigin; // from the object's origin, in the lights' frame, negative: x = lightFromObj p + lampOrigin
 uniform vec3 lampLobe; // tail, Schlick's factor, strength
+uniform int nGloss;
+uniform float glossWidth;
+uniform vec4 gloss[32]; // root of a colour, share
 out vec4 colour;
 
 const float MIN_FACING = 0.01;
@@ -254,6 +257,20 @@ vec3 lampsAt(vec3 nO, vec3 vO) {
     return sum;
 }
 
+// render/gloss.h
+float glossAt(vec3 rgb) {
+    float least = 1e30, sum = 0.0, all = 0.0;
+    vec3 root = sqrt(max(rgb, vec3(0.0)));
+    for (int i = 0; i < nGloss; i++) least = min(least, dot(root - gloss[i].xyz, root - gloss[i].xyz));
+    for (int i = 0; i < nGloss; i++) {
+        vec3 d = root - gloss[i].xyz;
+        float weight = exp(-0.5 * (dot(d, d) - least) / (glossWidth * glossWidth));
+        sum += weight * gloss[i].w;
+        all += weight;
+    }
+    return nGloss > 0 ? sum / all : 1.0;
+}
+
 vec3 specularAt() {
     vec3 vO = normalize(cameraObj - pObj);
     vec3 nO = normalize(nObj);
@@ -268,7 +285,7 @@ vec3 specularAt() {
     }
     vec3 sum = lobeAt(nO, vO) * specularRgb + lampsAt(nO, vO);
     if (mirrors) sum += (f0 + (1.0 - f0) * pow(1.0 - clamp(dot(nO, vO), 0.0, 1.0), 5.0)) * mirroredAt(nO, vO);
-    return sum;
+    return nGloss > 0 ? glossAt(diffuseAt(triangle, place, vec3(0.0))) * sum : sum;
 }
 
 void main() {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // bench_scenes.c - every method on exact scenes, a row each: what is recovered, and how well held-out views are predicted.
 //
-//     bench_scenes [--method NAME] [--seeds FIRST-LAST] [--size SHARE] [--pictures DIR] [SCENE...]
+//     bench_scenes [--method NAME] [--seeds FIRST-LAST] [--size SHARE] [--but WHAT,...] [--pictures DIR] [SCENE...]
+//
+// --but takes a difficulty out of the scenes: near, discs, coloured, ggx, k_s-map, pose, normals.
 //
 // Columns: sigma's error; lights found of six; worst direction (minutes of arc), distance and strength of those; PSNR of the
 // specular layer (linear) and of a black one; PSNR of the composite (sRGB), of the model's diffuse layer under the true
@@ -18,7 +20,7 @@
 #include "tests/support.h"
 
 typedef struct arguments {
-    const char *method, *pictures;
+    const char *method, *pictures, *but;
     int first, last;
     double size;
 } arguments;
@@ -80,11 +82,31 @@ static void fit_scene(const exact_scene *s, const char *label, sheen_fit_method 
     const double fit_s = cpu_s() - start_s;
     exact_score_model(&score, s, &f.model);
     exact_score_print(stdout, label, sheen_fit_method_name(method), &score);
-    printf("%40s poses off by %.2f px, exposures by %.3f EV; %zu lights, %.1f CPU s\n", "",
+    printf("%40s poses off by %.2f px, exposures by %.3f EV; %zu lights, %d glosses, %.1f CPU s\n", "",
            pose_error_px(s, &inputs), exposure_error_ev(s, &f.align), f.model.lights.count + f.model.n_lamps,
-           fit_s);
+           f.model.gloss.n, fit_s);
     free(inputs.photos);
     sheen_paper_fit_release(&f);
+}
+
+static int has_word(const char *list, const char *word)
+{
+    const size_t length = strlen(word);
+    for (const char *at = list; at && *at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL)
+        if (strcspn(at, ",") == length && !strncmp(at, word, length))
+            return 1;
+    return 0;
+}
+
+static void ease(exact_options *o, const char *but)
+{
+    o->is_near = o->is_near && !has_word(but, "near");
+    o->coloured = o->coloured && !has_word(but, "coloured");
+    o->k_s_map = o->k_s_map && !has_word(but, "k_s-map");
+    o->disc_deg = has_word(but, "discs") ? 0 : o->disc_deg;
+    o->ggx_alpha = has_word(but, "ggx") ? 0 : o->ggx_alpha;
+    o->pose_px = has_word(but, "pose") ? 0 : o->pose_px;
+    o->normals_deg = has_word(but, "normals") ? 0 : o->normals_deg;
 }
 
 static void run_scene(const arguments *a, const char *name, int seed)
@@ -97,6 +119,7 @@ static void run_scene(const arguments *a, const char *name, int seed)
         exit(2);
     }
     o.size = a->size;
+    ease(&o, a->but);
     snprintf(label, sizeof label, "%s %d", name, seed);
     exact_scene_make(&s, &o);
     if (a->pictures)
@@ -115,6 +138,8 @@ int main(int argc, char **argv)
     for (int i = 1; i < argc; i++) {
         if (!strcmp(argv[i], "--method") && i + 1 < argc)
             a.method = argv[++i];
+        else if (!strcmp(argv[i], "--but") && i + 1 < argc)
+            a.but = argv[++i];
         else if (!strcmp(argv[i], "--pictures") && i + 1 < argc)
             a.pictures = argv[++i];
         else if (!strcmp(argv[i], "--size") && i + 1 < argc)

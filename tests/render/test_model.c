@@ -48,6 +48,7 @@ static void fill_model(sheen_model *m)
     assert_ok(sheen_model_set_lamps(m, lamps, 2, &err), err);
     m->lobe_tail = 0.25;
     m->lobe_fresnel = 24;
+    m->gloss = (sheen_gloss){2, 0.125f, {{0.5f, 0.25f, 0.75f}, {1, 0, 0.5f}}, {1, 0.375f}};
     m->lamp_origin_world[2] = 0.0625;
     assert_ok(sheen_texture_init(&m->texture, m->mesh.n_triangles, 3, &err), err);
     for (size_t i = 0; i < m->mesh.n_triangles * 6; i++) {
@@ -121,6 +122,7 @@ static void comes_back_as_it_was(void **state)
         assert_close(back.lights.dz[i], w.m.lights.dz[i], 1e-7);
         assert_close(back.lights.weight[i], w.m.lights.weight[i], 1e-8);
     }
+    assert_memory_equal(&back.gloss, &w.m.gloss, sizeof back.gloss);
     assert_int_equal(back.mesh.n_triangles, w.m.mesh.n_triangles);
     const size_t n = w.m.mesh.n_triangles * 6;
     assert_memory_equal(back.texture.rgb, w.m.texture.rgb, 3 * n * sizeof(float));
@@ -309,10 +311,12 @@ static void refuses_damaged_numbers(void **state)
     static const struct {
         const char *from, *to, *says;
     } cases[] = {
-        {"sheen-model/2", "sheen-model/4", "schema"},
-        {"sheen-model/2", "sheen-poses/1", "schema"},
+        {"sheen-model/3", "sheen-model/4", "schema"},
+        {"sheen-model/3", "sheen-poses/1", "schema"},
         {"\"tail\": 0.25", "\"tail\": 1.5", "lobe"},
         {"\"fresnel\": 24", "\"fresnel\": -1", "lobe"},
+        {"\"width\": 0.125", "\"width\": 0", "gloss"},
+        {"0.375", "-0.375", "gloss"},
         {"\"radius_rad\": 0.125", "\"radius_rad\": -0.125", "extent"},
         {"\"inverse_distance_per_m\": 1.5", "\"inverse_distance_per_m\": -1.5", "distance"},
         {"\"origin_world\": [", "\"origin_world\": [1e9, ", "origin_world"},

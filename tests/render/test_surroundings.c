@@ -163,7 +163,7 @@ static void the_object_mirrors_itself_else_the_room(void **state)
     sheen_shade_split(rgb, above, &s.shading, p, n, from_right, 1);
     assert_close(rgb[0], 0, 0);
     assert_close(above[0], -0.6, 1e-6);
-    sheen_shade(rgb, &s.shading, p, n, from_right); // lobe plus F times the room
+    sheen_shade(rgb, &s.shading, 1, p, n, from_right); // lobe plus F times the room
     assert_close(rgb[0], 1 / 0.8 + (double)sheen_fresnel(0.5, 0.8f), 1e-3);
     tear_down(&s);
 }
