@@ -12,7 +12,7 @@
 #include "fit/fit_session.h"
 
 typedef struct fit_args {
-    const char *method, *loss, *report;
+    const char *method, *loss, *report, *without;
     sheen_fit_method chosen;
     double sigma0_deg;
     int max_samples;
@@ -46,6 +46,10 @@ static sheen_status parse(sheen_cli *cli, fit_args *a, sheen_err *err)
          "refined: take the poses as they are (default: made to\nagree on the surface)", 0, 0},
         {"keep-exposures", 0, SHEEN_OPTION_FLAG, &a->o.keep_exposures, NULL,
          "refined: take exposure and white balance as equal in all\nphotographs (default: measured)", 0, 0},
+        {"without", 0, SHEEN_OPTION_TEXT, &a->without, "NAME,...",
+         "refined: leave these out: lamps, shadows, board, ambient,\nfresnel, tail, regions, poses, "
+         "exposures",
+         0, 0},
         {"threads", 0, SHEEN_OPTION_INT, &a->o.n_threads, "N", "default: one a processor", 1, 1024},
         {0},
     };
@@ -54,6 +58,9 @@ static sheen_status parse(sheen_cli *cli, fit_args *a, sheen_err *err)
         return s;
     if (a->method && sheen_fit_method_from_name(&a->chosen, a->method, NULL))
         return sheen_cli_usage(cli, err, "unknown method '%.40s': use 'refined' or 'paper'", a->method);
+    sheen_err why;
+    if (a->without && sheen_extensions_parse(&a->o.without, a->without, &why))
+        return sheen_cli_usage(cli, err, "%s", why.msg);
     if (a->loss && strcmp(a->loss, "lorentzian") != 0 && strcmp(a->loss, "quartic") != 0)
         return sheen_cli_usage(cli, err, "unknown loss '%.40s': use 'lorentzian' or 'quartic'", a->loss);
     a->o.loss = a->loss && !strcmp(a->loss, "quartic") ? SHEEN_LOSS_QUARTIC : SHEEN_LOSS_LORENTZIAN;

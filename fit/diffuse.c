@@ -176,7 +176,7 @@ static void solve(sheen_surroundings *e, normal_equations *q)
     }
 }
 
-void sheen_surroundings_fit(sheen_surroundings *surroundings, const sheen_texel_view *views,
+void sheen_surroundings_fit(sheen_surroundings *surroundings, int with_ambient, const sheen_texel_view *views,
                             const sheen_view_light *lights, size_t n_views)
 {
     const size_t n_texels = n_views ? views[0].n_texels : 0, step = 1 + n_texels / 30000;
@@ -190,12 +190,12 @@ void sheen_surroundings_fit(sheen_surroundings *surroundings, const sheen_texel_
             if (n < 2)
                 continue;
             reweight(w, mean, s, n, surroundings, 2);
-            if (round % 2)
+            if (round % 2 || !with_ambient)
                 add_f0(&q, s, w, n, surroundings);
             else
                 add_ambient(&q, s, w, n, surroundings);
         }
-        if (round % 2 == 0)
+        if (round % 2 == 0 && with_ambient)
             solve(surroundings, &q);
         else if (q.f0_below > 0)
             surroundings->f0 = fmin(1, fmax(0, q.f0_above / q.f0_below));

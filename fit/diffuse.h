@@ -11,10 +11,10 @@
 // Photographs that a texel is estimated from at most.
 enum { SHEEN_REFINED_MAX_VIEWS = 64 };
 
-// Finds F0 and the ambient light of `surroundings` (its board is given), by least squares over differences between
+// Finds F0 and, where asked to, the ambient light (else it stays) of `surroundings` (its board is given), by least squares over differences between
 // the photographs of each texel, in which D falls out; a few reweighted rounds against outliers. Every k-th texel of those that
 // two photographs or more see. views, lights: [n_views].
-void sheen_surroundings_fit(sheen_surroundings *surroundings, const sheen_texel_view *views,
+void sheen_surroundings_fit(sheen_surroundings *surroundings, int with_ambient, const sheen_texel_view *views,
                             const sheen_view_light *lights, size_t n_views);
 
 // How badly each photograph of a texel is predicted by the others: mean Lorentzian of I_v - S_v - F_v M_v against the mean of the

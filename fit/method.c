@@ -28,11 +28,12 @@ sheen_status sheen_fit_method_from_name(sheen_fit_method *out, const char *name,
 static sheen_status align(sheen_align_result *out, const sheen_mesh *mesh, sheen_photos *photos,
                           const sheen_paper_options *options, sheen_err *err)
 {
-    sheen_align_options o = {.poses = !options->keep_poses,
-                             .gains = !options->keep_exposures,
-                             .texels_per_edge = 2,
-                             .n_threads = options->n_threads,
-                             .progress = options->progress};
+    sheen_align_options o = {
+        .poses = !options->keep_poses && sheen_extension_in(options->without, SHEEN_EXTENSION_POSES),
+        .gains = !options->keep_exposures && sheen_extension_in(options->without, SHEEN_EXTENSION_EXPOSURES),
+        .texels_per_edge = 2,
+        .n_threads = options->n_threads,
+        .progress = options->progress};
     while (o.texels_per_edge < 12 &&
            mesh->n_triangles * sheen_texels_per_triangle(o.texels_per_edge) < 150000)
         o.texels_per_edge++;

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "fit/align.h"
+#include "fit/extensions.h"
 #include "fit/hemisphere.h"
 #include "fit/photos.h"
 #include "fit/refine.h"
@@ -27,7 +28,8 @@ typedef struct sheen_paper_options {
     double sigma0_rad;    // where sigma starts; 0: from the hemisphere
     size_t max_samples;   // 0: 30000
     sheen_loss loss;
-    bool keep_poses, keep_exposures; // 1: the refined method takes them as they are given
+    bool keep_poses, keep_exposures; // 1: as if they were in `without`
+    sheen_extensions without;        // of the refined method
     sheen_paper_stop stop_after;
     int n_threads; // 0: one a processor
     sheen_progress progress;

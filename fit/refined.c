@@ -13,48 +13,71 @@
 // An extension stays where what it predicts is wrong by this share at most of what is without it.
 static const double worth_keeping = 0.99;
 
+static int has(const sheen_refined_state *r, sheen_extension e)
+{
+    return sheen_extension_in(r->o.without, e);
+}
+
 // Kept where photographs are predicted better by the others with them than without.
 static void fit_surroundings(sheen_refined_state *r)
 {
     sheen_surroundings *e = &r->f->model.surroundings;
     const size_t n = r->f->n_views;
     e->present = 1;
-    sheen_surroundings_fit(e, r->views, r->lights, n);
+    sheen_surroundings_fit(e, has(r, SHEEN_EXTENSION_AMBIENT), r->views, r->lights, n);
     const double with = sheen_diffuse_cost(e, r->views, r->lights, n);
     e->present = 0;
     const double without = sheen_diffuse_cost(e, r->views, r->lights, n);
     e->present = with < worth_keeping * without;
 }
 
+// What is mirrored, before any of it is known.
+static sheen_status start_surroundings(sheen_refined_state *r, sheen_err *err)
+{
+    sheen_surroundings *e = &r->f->model.surroundings;
+    sheen_stopwatch watch = sheen_stopwatch_now();
+    if (has(r, SHEEN_EXTENSION_BOARD)) {
+        const sheen_status s = sheen_board_picture_make(e, r->photos, r->mesh, r->scene, r->o.n_threads, err);
+        if (s)
+            return s;
+    }
+    e->present = has(r, SHEEN_EXTENSION_BOARD) || has(r, SHEEN_EXTENSION_AMBIENT);
+    e->f0 = 0.04;
+    sheen_progress_timed(&r->o.progress, "picture of the board", &watch);
+    return SHEEN_OK;
+}
+
+static sheen_status estimate_lights(sheen_refined_state *r, sheen_err *err)
+{
+    return has(r, SHEEN_EXTENSION_LAMPS) ? sheen_refined_lamps(r, err) : sheen_refined_nodes(r, 0.7f, err);
+}
+
 static sheen_status improve(sheen_refined_state *r, sheen_err *err)
 {
     sheen_model *m = &r->f->model;
-    sheen_stopwatch watch = sheen_stopwatch_now();
-    sheen_status s = sheen_board_picture_make(&m->surroundings, r->photos, r->mesh, r->scene, r->o.n_threads,
-                                              err);
+    sheen_status s = start_surroundings(r, err);
     if (s)
         return s;
-    m->surroundings.present = 1;
-    m->surroundings.f0 = 0.04;
-    m->shadows = 1;
+    sheen_stopwatch watch = sheen_stopwatch_now();
+    m->shadows = has(r, SHEEN_EXTENSION_SHADOWS);
     m->sigma_rad = 0.1;
     m->frequency = r->f->geodesic.frequency;
     m->n_hemisphere = r->f->geodesic.n_nodes;
-    sheen_progress_timed(&r->o.progress, "picture of the board", &watch);
     if (m->moving == SHEEN_MOVING_OBJECT)
         return sheen_refined_turned(r, SHEEN_REFINED_ROUNDS, &watch, err);
     if ((s = sheen_refined_light_views(r, err))) // no lamps yet: what is mirrored
         return s;
     for (r->round = 0; r->round < SHEEN_REFINED_ROUNDS; r->round++) {
         // The first residuals are those of the minimum, which holds what all views mirror
-        if ((r->round && (s = sheen_refined_residuals(r, err))) || (s = sheen_refined_lamps(r, err)))
+        if ((r->round && (s = sheen_refined_residuals(r, err))) || (s = estimate_lights(r, err)))
             return s;
         sheen_progress_timed(&r->o.progress, "lights and roughness", &watch);
         if (r->round == 1) // by now the object's own mirror images show its texture
             r->keep_mirrored = 0;
         if ((s = sheen_refined_light_views(r, err)))
             return s;
-        fit_surroundings(r);
+        if (has(r, SHEEN_EXTENSION_BOARD) || has(r, SHEEN_EXTENSION_AMBIENT))
+            fit_surroundings(r);
         sheen_diffuse_fit(&m->texture, &m->surroundings, r->views, r->lights, r->f->n_views, r->o.n_threads);
         sheen_progress_timed(&r->o.progress, "texture and surroundings", &watch);
     }

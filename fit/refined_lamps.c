@@ -89,6 +89,7 @@ static sheen_status fit_gloss(sheen_refined_state *r, sheen_lamp_samples *sample
 
 sheen_status sheen_refined_lamps(sheen_refined_state *r, sheen_err *err)
 {
+    const sheen_extensions without = r->o.without;
     float centre_obj[3], radius_m;
     sheen_lamp_samples samples = {0};
     const sheen_lamp_samples_options so = {(float)r->f->threshold_lin, MAX_LIT, MAX_DARK, &r->f->model.gloss};
@@ -98,23 +99,24 @@ sheen_status sheen_refined_lamps(sheen_refined_state *r, sheen_err *err)
         s = sheen_lamp_samples_take(&samples, r->f->residuals, r->photos, centre_obj, radius_m, &so, err);
     if (s)
         return s;
-    const sheen_lamp_list_options o = {.threshold_lin = (float)r->f->threshold_lin,
-                                       .max_lamps = 24,
-                                       .find = 1,
-                                       .last = r->round == SHEEN_REFINED_ROUNDS - 1,
-                                       .fit = {.free_distance = 1,
-                                               .free_radius = 1,
-                                               .free_sigma = 1,
-                                               .free_tail = r->round > 0,
-                                               .free_fresnel = r->round > 0,
-                                               .scale = 1,
-                                               .n_threads = r->o.n_threads,
-                                               .hidden = is_hidden,
-                                               .hidden_self = r},
-                                       .progress = r->o.progress};
+    const sheen_lamp_list_options o = {
+        .threshold_lin = (float)r->f->threshold_lin,
+        .max_lamps = 24,
+        .find = 1,
+        .last = r->round == SHEEN_REFINED_ROUNDS - 1,
+        .fit = {.free_distance = 1,
+                .free_radius = 1,
+                .free_sigma = 1,
+                .free_tail = r->round > 0 && sheen_extension_in(without, SHEEN_EXTENSION_TAIL),
+                .free_fresnel = r->round > 0 && sheen_extension_in(without, SHEEN_EXTENSION_FRESNEL),
+                .scale = 1,
+                .n_threads = r->o.n_threads,
+                .hidden = r->f->model.shadows ? is_hidden : NULL,
+                .hidden_self = r},
+        .progress = r->o.progress};
     const int gloss_before = r->f->model.gloss.n;
     s = sheen_lamp_list_fit(&r->lamps, &samples, &o, err);
-    if (!s && r->lamps.n)
+    if (!s && r->lamps.n && sheen_extension_in(without, SHEEN_EXTENSION_REGIONS))
         s = fit_gloss(r, &samples, &o.fit, err);
     if (!s && !gloss_before && r->f->model.gloss.n) // the first lamps were found without
         s = sheen_lamp_list_fit(&r->lamps, &samples, &o, err);

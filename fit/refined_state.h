@@ -24,7 +24,7 @@ typedef struct sheen_refined_state {
     sheen_lamp_points points;   // of the model's lamps
     sheen_shading *shading;     // [n_views]
     sheen_lamp_list lamps;      // those of the model, with their lobe
-    sheen_samples node_samples; // of an object that turned, while its lights are estimated
+    sheen_samples node_samples; // while lights are estimated as nodes
     int round;                  // 0, 1, ...
     int keep_mirrored;          // 1: mirror images are good as they are
 } sheen_refined_state;
@@ -43,6 +43,9 @@ sheen_status sheen_refined_light_views(sheen_refined_state *r, sheen_err *err);
 sheen_status sheen_refined_residuals(sheen_refined_state *r, sheen_err *err);
 // Lamps and their lobe from the residuals.
 sheen_status sheen_refined_lamps(sheen_refined_state *r, sheen_err *err);
+
+// Nodes of the hemisphere and their lobe instead. consistency: share of the views that must agree on a node. EDATA: no highlight.
+sheen_status sheen_refined_nodes(sheen_refined_state *r, float consistency, sheen_err *err);
 
 // All rounds for an object that turned (refined_turned.c): surroundings, light and albedo, and nodes, in turns; one round more
 // of the first two than `rounds`.

@@ -31,10 +31,6 @@ static const variant variants[] = {
     {"paper", SHEEN_FIT_PAPER, {0}},
     {"paper, 70 % of the views must agree", SHEEN_FIT_PAPER, {.consistency = 0.7}},
     {"paper, quartic loss", SHEEN_FIT_PAPER, {.loss = SHEEN_LOSS_QUARTIC}},
-    {"refined, poses and exposures as given",
-     SHEEN_FIT_REFINED,
-     {.keep_poses = true, .keep_exposures = true}},
-    {"refined, exposures as given", SHEEN_FIT_REFINED, {.keep_exposures = true}},
     {"refined", SHEEN_FIT_REFINED, {0}},
 };
 
@@ -186,6 +182,12 @@ int main(int argc, char **argv)
            "|\n|---|---|---|---|---|\n");
     for (size_t i = 0; i < sizeof variants / sizeof *variants; i++)
         run(&t, &session, &mesh, &variants[i]);
+    for (int i = 0; i < SHEEN_EXTENSION_COUNT; i++) {
+        char name[60];
+        snprintf(name, sizeof name, "refined, without %s", sheen_extension_name((sheen_extension)i));
+        const variant v = {name, SHEEN_FIT_REFINED, {.without = 1u << i}};
+        run(&t, &session, &mesh, &v);
+    }
     sheen_mesh_release(&mesh);
     sheen_json_free(&root);
     sheen_session_release(&session);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // bench_scenes.c - every method on exact scenes, a row each: what is recovered, and how well held-out views are predicted.
 //
-//     bench_scenes [--method NAME] [--seeds FIRST-LAST] [--size SHARE] [--but WHAT,...] [--pictures DIR] [SCENE...]
+//     bench_scenes [--method NAME] [--seeds FIRST-LAST] [--size SHARE] [--but WHAT,...] [--without NAME,...]
+//                  [--ablation] [--pictures DIR] [SCENE...]
 //
-// --but takes a difficulty out of the scenes: near, discs, coloured, ggx, k_s-map, pose, normals.
+// --but takes a difficulty out of the scenes: near, discs, coloured, ggx, k_s-map, pose, normals. --without leaves extensions
+// (fit/extensions.h) out of the refined method; --ablation adds a row without each of them in turn.
 //
 // Columns: sigma's error; lights found of six; worst direction (minutes of arc), distance and strength of those; PSNR of the
 // specular layer (linear) and of a black one; PSNR of the composite (sRGB), of the model's diffuse layer under the true
@@ -21,7 +23,8 @@
 
 typedef struct arguments {
     const char *method, *pictures, *but;
-    int first, last;
+    sheen_extensions without;
+    int ablation, first, last;
     double size;
 } arguments;
 
@@ -61,12 +64,13 @@ static double exposure_error_ev(const exact_scene *s, const sheen_align_result *
     return worst;
 }
 
-static void fit_scene(const exact_scene *s, const char *label, sheen_fit_method method)
+static void fit_scene(const exact_scene *s, const char *label, sheen_fit_method method,
+                      sheen_extensions without)
 {
     sheen_paper_fit f;
     sheen_err err;
     exact_score score;
-    const sheen_paper_options o = {0};
+    const sheen_paper_options o = {.without = without};
     // A method may correct poses: not in the scene itself
     sheen_photos inputs = s->inputs;
     inputs.photos = malloc(s->inputs.count * sizeof *inputs.photos);
@@ -126,7 +130,11 @@ static void run_scene(const arguments *a, const char *name, int seed)
         save(a, label, &s.inputs.photos[0].image);
     for (int m = 0; m < SHEEN_FIT_METHOD_COUNT; m++)
         if (!a->method || !strcmp(a->method, sheen_fit_method_name((sheen_fit_method)m)))
-            fit_scene(&s, label, (sheen_fit_method)m);
+            fit_scene(&s, label, (sheen_fit_method)m, a->without);
+    for (int e = 0; a->ablation && e < SHEEN_EXTENSION_COUNT; e++) {
+        snprintf(label, sizeof label, "%s %d -%s", name, seed, sheen_extension_name((sheen_extension)e));
+        fit_scene(&s, label, SHEEN_FIT_REFINED, a->without | 1u << e);
+    }
     exact_scene_release(&s);
 }
 
@@ -135,9 +143,14 @@ int main(int argc, char **argv)
     arguments a = {.first = 1, .last = 1, .size = 1};
     const char *chosen[64];
     int n_chosen = 0;
+    sheen_err err;
     for (int i = 1; i < argc; i++) {
         if (!strcmp(argv[i], "--method") && i + 1 < argc)
             a.method = argv[++i];
+        else if (!strcmp(argv[i], "--without") && i + 1 < argc)
+            assert_ok(sheen_extensions_parse(&a.without, argv[++i], &err), err);
+        else if (!strcmp(argv[i], "--ablation"))
+            a.ablation = 1;
         else if (!strcmp(argv[i], "--but") && i + 1 < argc)
             a.but = argv[++i];
         else if (!strcmp(argv[i], "--pictures") && i + 1 < argc)
