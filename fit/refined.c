@@ -60,7 +60,7 @@ static sheen_status improve(sheen_refined_state *r, sheen_err *err)
         return s;
     sheen_stopwatch watch = sheen_stopwatch_now();
     m->shadows = has(r, SHEEN_EXTENSION_SHADOWS);
-    m->sigma_rad = 0.1;
+    m->sigma_rad = 0.03; // until lamps are found
     m->frequency = r->f->geodesic.frequency;
     m->n_hemisphere = r->f->geodesic.n_nodes;
     if (m->moving == SHEEN_MOVING_OBJECT)

@@ -217,8 +217,8 @@ static void split_hit(float rgb[3], float above_world[3], const sheen_shading *s
         to_board(r_board, s, r_world, zero);
     }
     const bool turned = s->model->moving == SHEEN_MOVING_OBJECT;
-    sheen_surroundings_radiance(rgb, &s->model->surroundings, turned ? p_board : p_world,
-                                turned ? r_board : r_world);
+    sheen_surroundings_plane(rgb, &s->model->surroundings, turned ? p_board : p_world,
+                             turned ? r_board : r_world, 2 * (float)s->model->sigma_rad);
 }
 
 void sheen_shade_split(float *rgb, float *above_world, const sheen_shading *s, const float *p_obj,

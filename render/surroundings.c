@@ -5,6 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/vec.h"
+
 void sheen_surroundings_release(sheen_surroundings *s)
 {
     sheen_image_release(&s->board);
@@ -60,4 +62,38 @@ void sheen_surroundings_radiance(float rgb[3], const sheen_surroundings *s, cons
     }
     for (int c = 0; c < 3; c++)
         rgb[c] = (float)s->table_rgb[c];
+}
+
+// sqrt(-2 log(1 - (k + 1/2) / 16)) at the angle 2.39996 k: a sunflower's spiral with the radii of a Gaussian of width 1.
+static const float spread[SHEEN_SPREAD_POINTS][2] = {
+    {0.251987f, 0.000000f},   {-0.327179f, 0.299723f}, {0.050962f, -0.580690f}, {0.427521f, 0.557625f},
+    {-0.800278f, -0.141558f}, {0.774431f, -0.492629f}, {-0.265075f, 0.986067f}, {-0.518402f, -0.998151f},
+    {1.156308f, 0.422282f},   {-1.240681f, 0.512135f}, {0.619407f, -1.323637f}, {0.476700f, 1.519796f},
+    {-1.508461f, -0.874184f}, {1.881868f, -0.413723f}, {-1.251385f, 1.779967f}, {-0.338339f, -2.610938f}};
+
+void sheen_surroundings_plane(float rgb[3], const sheen_surroundings *s, const float p_world[3],
+                              const float r_world[3], float spread_rad)
+{
+    const float along_x = fabsf(r_world[0]) < 0.7f ? 1.0f : 0.0f, axis[3] = {along_x, 1 - along_x, 0};
+    float a[3], b[3], sum[3] = {0, 0, 0};
+    int n = 0;
+    sheen_crossf(a, r_world, axis);
+    sheen_normalizef(a);
+    sheen_crossf(b, r_world, a);
+    for (int k = 0; k < SHEEN_SPREAD_POINTS && spread_rad > 0; k++) {
+        const float u = spread_rad * spread[k][0], v = spread_rad * spread[k][1];
+        float r[3], part[3];
+        for (int i = 0; i < 3; i++)
+            r[i] = r_world[i] + u * a[i] + v * b[i];
+        if (!(r[2] < 0))
+            continue;
+        sheen_surroundings_radiance(part, s, p_world, r);
+        for (int c = 0; c < 3; c++)
+            sum[c] += part[c];
+        n++;
+    }
+    if (!n)
+        sheen_surroundings_radiance(rgb, s, p_world, r_world);
+    for (int c = 0; c < 3 && n; c++)
+        rgb[c] = sum[c] / (float)n;
 }

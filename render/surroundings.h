@@ -37,6 +37,13 @@ void sheen_ambient_basis(double basis[SHEEN_AMBIENT_TERMS], const float v_world[
 void sheen_surroundings_radiance(float rgb[3], const sheen_surroundings *s, const float p_world[3],
                                  const float r_world[3]);
 
+// What the plane z = 0 sends along r_world (below the horizon), spread as a rough surface mirrors it: the mean over
+// SHEEN_SPREAD_POINTS directions that stand for a Gaussian of spread_rad about r_world; 0: r_world alone. Directions that the
+// spread takes above the horizon are left out.
+enum { SHEEN_SPREAD_POINTS = 16 };
+void sheen_surroundings_plane(float rgb[3], const sheen_surroundings *s, const float p_world[3],
+                              const float r_world[3], float spread_rad);
+
 #ifdef __cplusplus
 }
 #endif

@@ -189,6 +189,32 @@ vec3 boardAt(vec2 p) {
     return boardPlace.w * mix(low, high, f.y);
 }
 
+// A Gaussian's spread (render/surroundings.c).
+const vec2 spread[16] = vec2[16](
+    vec2(0.251987, 0.000000), vec2(-0.327179, 0.299723), vec2(0.050962, -0.580690), vec2(0.427521, 0.557625),
+    vec2(-0.800278, -0.141558), vec2(0.774431, -0.492629), vec2(-0.265075, 0.986067), vec2(-0.518402, -0.998151),
+    vec2(1.156308, 0.422282), vec2(-1.240681, 0.512135), vec2(0.619407, -1.323637), vec2(0.476700, 1.519796),
+    vec2(-1.508461, -0.874184), vec2(1.881868, -0.413723), vec2(-1.251385, 1.779967), vec2(-0.338339, -2.610938));
+
+vec3 planeAt(vec3 p, vec3 d) {
+    float t = -p.z / d.z;
+    return t > 0.0 ? boardAt(p.xy + t * d.xy) : tableRgb;
+}
+
+// The plane as a rough surface mirrors it.
+vec3 spreadAt(vec3 p, vec3 d) {
+    vec3 a = normalize(cross(d, abs(d.x) < 0.7 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0))), b = cross(d, a), sum = vec3(0.0);
+    float n = 0.0;
+    for (int k = 0; k < 16; k++) {
+        vec2 by = 2.0 * sigma * spread[k];
+        vec3 r = d + by.x * a + by.y * b;
+        if (r.z >= 0.0) continue;
+        sum += planeAt(p, r);
+        n += 1.0;
+    }
+    return n > 0.0 ? sum / n : planeAt(p, d);
+}
+
 // Radiance in the mirror direction: the object's own texture where it stands in the way, else the surroundings.
 vec3 mirroredAt(vec3 nO, vec3 vO) {
     vec2 at;
@@ -197,8 +223,7 @@ vec3 mirroredAt(vec3 nO, vec3 vO) {
     if (hit >= 0) return diffuseAt(hit, at, vec3(0.0));
     vec3 d = worldFromObj * r, p = worldFromObj * pObj + worldOrigin;
     if (d.z >= 0.0) return fromAbove(d);
-    float t = -p.z / d.z;
-    return t > 0.0 ? boardAt(p.xy + t * d.xy) : tableRgb;
+    return spreadAt(p, d);
 }
 
 // Eq. (7) without k_S, of lights that the mesh does not hide.

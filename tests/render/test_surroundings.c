@@ -168,12 +168,42 @@ static void the_object_mirrors_itself_else_the_room(void **state)
     tear_down(&s);
 }
 
+// An edge between black and white, 10 cm below: spread by a Gaussian it is the error function.
+static void a_rough_surface_mirrors_the_board_blurred(void **state)
+{
+    (void)state;
+    sheen_surroundings s = {.board_x0_m = -0.2, .board_y0_m = -0.2, .board_pitch_m = 0.001};
+    sheen_err err;
+    float rgb[3];
+    const float down[3] = {0, 0, -1};
+    assert_ok(sheen_image_init(&s.board, 401, 401, 3, &err), err);
+    for (int y = 0; y < 401; y++)
+        for (int x = 201; x < 401; x++)
+            sheen_image_at(&s.board, x, y)[0] = 1;
+    for (int k = -2; k <= 2; k++) {
+        const double off = 0.02 * k, want = 0.5 * erfc(-k / sqrt(2.0));
+        const float p[3] = {(float)off, 0.03f, 0.1f};
+        sheen_surroundings_plane(rgb, &s, p, down, 0.2f);
+        assert_close(rgb[0], want, 0.08);
+        sheen_surroundings_plane(rgb, &s, p, down, 0);
+        if (k)
+            assert_close(rgb[0], k > 0, 1e-6);
+    }
+    // Hardly below the horizon: what the spread takes above it does not count
+    const float flat[3] = {0.9999f, 0, -0.014f}, p[3] = {0, 0, 0.1f};
+    s.ambient_rgb[0][1] = 100;
+    sheen_surroundings_plane(rgb, &s, p, flat, 0.1f);
+    assert_close(rgb[1], 0, 0);
+    sheen_surroundings_release(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fresnel_is_schlicks),
         cmocka_unit_test(ambient_basis_is_orthonormal),
         cmocka_unit_test(the_board_is_where_the_mirrored_ray_meets_it),
+        cmocka_unit_test(a_rough_surface_mirrors_the_board_blurred),
         cmocka_unit_test(the_mesh_hides_lights_where_it_may),
         cmocka_unit_test(the_object_mirrors_itself_else_the_room),
     };
