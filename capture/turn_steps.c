@@ -100,12 +100,8 @@ static sheen_status ask(void *self, int64_t *since_ns, sheen_err *err)
     if (!find_next(&i_round, &i_step, t))
         return sheen_fail(err, SHEEN_EEND, "all steps are recorded");
     if (i_round != t->i_round) {
-        if (i_round > 1 && !reference_of(t, i_round) && t->o.next_round) {
-            const sheen_status s = t->o.next_round(t->o.self, i_round, err);
-            if (s)
-                return s;
-        }
         t->placed = false;
+        t->camera_waits = i_round > 1 && !reference_of(t, i_round) && t->o.next_round;
         t->n_taken = 0;
     }
     t->i_round = i_round;
@@ -115,10 +111,13 @@ static sheen_status ask(void *self, int64_t *since_ns, sheen_err *err)
     return SHEEN_OK;
 }
 
-// Where the table stands: known still, seen in this frame, or (a round's beginning) where angle 0 shall be.
+// Where the table stands: known still, seen in this frame, or (the very beginning) where angle 0 shall be. Angles count on
+// from round to round, so that they tie the rounds together: a new one begins while the camera stands as in the one before.
 static sheen_status place(sheen_turn_steps *t, const sheen_frame *frame, sheen_err *err)
 {
     const sheen_frame_info *reference = reference_of(t, t->i_round);
+    if (!reference && t->i_round > 1)
+        reference = reference_of(t, t->i_round - 1);
     sheen_table_state now;
     double seen_deg = 0;
     sheen_status s = sheen_table_get(&now, t->table, err);
@@ -236,6 +235,9 @@ static sheen_status look(void *self, sheen_frame *frame, sheen_verdict *verdict,
     if (!t->turned) {
         if (!t->placed && (s = place(t, frame, err)))
             return s;
+        if (t->camera_waits && (s = t->o.next_round(t->o.self, t->i_round, err)))
+            return s;
+        t->camera_waits = false;
         return turn(t, err);
     }
     // A camera's buffers hold frames from before.

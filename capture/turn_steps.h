@@ -15,7 +15,8 @@ typedef struct sheen_turn_options {
     // frame becomes the reference, angle 0). EDATA: not to be seen. NULL: nobody looks.
     sheen_status (*see)(void *self, const sheen_frame *frame, const sheen_frame_info *reference,
                         double *angle_deg, sheen_err *err);
-    // Before the first frame of a round after the first; returns when the camera stands at its new height.
+    // Before the first frame of a round after the first; returns when the camera stands at its new height. Until then it
+    // stands as in the round before, and `see` looks there.
     sheen_status (*next_round)(void *self, int i_round, sheen_err *err);
     void *self;           // for both
     double tolerance_deg; // of the angle seen beside the one commanded; 0: 0.5
@@ -29,6 +30,7 @@ typedef struct sheen_turn_steps {
     bool *taken;         // [n_rounds * n_steps] frames that are in the session or on their way there
     int n_taken;         // of this round, in this run
     bool placed;         // the angle is known in this round
+    bool camera_waits;   // to be put at the round's height, once it is
     bool turned;         // and the table stands there
     int64_t stood_ns;    // since when
     // The picture's rest.

@@ -2,13 +2,12 @@
 // photos.c - decodes the posed frames of a session and composes each one's poses.
 #include "fit/photos.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/pose3.h"
-#include "base/vec.h"
+#include "fit/rounds.h"
 
 static sheen_status load_photo(sheen_photo *p, const sheen_session *s, const sheen_frame_info *f,
                                const sheen_camera *cam, sheen_err *err)
@@ -31,59 +30,58 @@ static sheen_status load_photo(sheen_photo *p, const sheen_session *s, const she
     return SHEEN_OK;
 }
 
-// The lights stand still in the board's frame where the camera moved. Where the object did, the camera and they stand
-// still in the board's frame as it lay in the first input frame: the frame is the same for every role of frames, and its z is up.
-static void set_world(sheen_photos *out, const sheen_session *s, const sheen_poses *poses)
+// The posed frames of a session, in its order, and the first one that is fitted: world is the board's frame there.
+typedef struct posed {
+    sheen_round_frame *frames;
+    size_t n, i_first;
+    sheen_rounds rounds;
+} posed;
+
+// Where the object turned, the camera and the lights stand still in the board's frame as it lay in the first input frame:
+// the frame is the same for every role of frames, and its z is up.
+static sheen_status find_rounds(posed *out, const sheen_session *s, const sheen_poses *poses, sheen_err *err)
 {
-    const sheen_frame_pose *first = NULL;
     bool first_is_input = false;
-    for (size_t i = 0; i < s->n_frames && !first_is_input; i++) {
-        const sheen_frame_pose *pose = sheen_poses_find(poses, s->frames[i].name);
-        const bool is_input = s->frames[i].role == SHEEN_ROLE_INPUT;
-        if (pose && pose->found && (!first || is_input)) {
-            first = pose;
-            first_is_input = is_input;
-        }
-    }
-    if (first && s->moving == SHEEN_MOVING_OBJECT)
-        sheen_rt_invert(out->rt_world_cam, first->rt_cam_board);
-}
-
-// rt_cam_obj = rt_cam_board rt_board_obj.
-static void set_poses(sheen_photo *p, const sheen_photos *all, const double rt_cam_board[6],
-                      sheen_moving moving)
-{
-    sheen_rt_compose(p->rt_cam_obj, rt_cam_board, all->rt_board_obj);
-    if (moving == SHEEN_MOVING_OBJECT)
-        sheen_rt_compose(p->rt_world_obj, all->rt_world_cam, p->rt_cam_obj);
-    else
-        memcpy(p->rt_world_obj, all->rt_board_obj, sizeof p->rt_world_obj);
-}
-
-// An object that turned on a table did so about one axis. Where the camera moved as well nobody knows where the lights stood
-// to it, and the photographs cannot be explained.
-static sheen_status check_axis(const sheen_photos *p, const sheen_session *s, sheen_err *err)
-{
-    static const double least_turn_rad = 0.09, most_off_rad = 0.05, most_screw = 0.02;
-    double axis[3] = {0};
-    for (size_t i = 1; i < p->count && s->moving == SHEEN_MOVING_OBJECT; i++) {
-        double rt_obj_cam[6], turn[6];
-        sheen_rt_invert(rt_obj_cam, p->photos[0].rt_cam_obj);
-        sheen_rt_compose(turn, p->photos[i].rt_cam_obj, rt_obj_cam);
-        const double angle_rad = sheen_norm(turn), distance_m = sheen_norm(p->photos[i].rt_cam_obj + 3);
-        if (!(angle_rad > least_turn_rad))
+    *out = (posed){.frames = calloc(s->n_frames + 1, sizeof *out->frames)};
+    if (!out->frames)
+        return sheen_fail_memory(err, (double)s->n_frames * sizeof *out->frames, "frames");
+    for (size_t i = 0; i < s->n_frames; i++) {
+        const sheen_frame_info *f = &s->frames[i];
+        const sheen_frame_pose *pose = sheen_poses_find(poses, f->name);
+        if (!pose || !pose->found || f->role == SHEEN_ROLE_CALIBRATION)
             continue;
-        if (!(sheen_norm(axis) > 0))
-            for (int k = 0; k < 3; k++)
-                axis[k] = turn[k] / angle_rad;
-        const double along = fabs(sheen_dot(turn, axis)) / angle_rad;
-        if (along < cos(most_off_rad) || fabs(sheen_dot(turn + 3, axis)) > most_screw * distance_m)
+        sheen_round_frame *g = &out->frames[out->n];
+        snprintf(g->name, sizeof g->name, "%s", f->name);
+        memcpy(g->rt_cam_board, pose->rt_cam_board, sizeof g->rt_cam_board);
+        g->asked_rad = f->table_asked_deg * 3.14159265358979323846 / 180;
+        if (f->role == SHEEN_ROLE_INPUT && !first_is_input) {
+            out->i_first = out->n;
+            first_is_input = true;
+        }
+        out->n++;
+    }
+    return out->n ? sheen_rounds_find(&out->rounds, out->frames, out->n, out->i_first, err) : SHEEN_OK;
+}
+
+// rt_cam_obj = rt_cam_board rt_board_obj. The lights stand still in the board's frame where the camera moved.
+static sheen_status set_poses(sheen_photo *p, const sheen_photos *all, const sheen_frame_pose *pose,
+                              const posed *turned, sheen_err *err)
+{
+    sheen_rt_compose(p->rt_cam_obj, pose->rt_cam_board, all->rt_board_obj);
+    memcpy(p->rt_world_obj, all->rt_board_obj, sizeof p->rt_world_obj);
+    for (size_t i = 0; i < turned->n; i++) {
+        const sheen_round_frame *f = &turned->frames[i];
+        if (strcmp(f->name, pose->name) != 0)
+            continue;
+        // Nobody knows where the lights stood to that camera, and the photograph cannot be explained.
+        if (f->round < 0)
             return sheen_fail(
                 err, SHEEN_EDATA,
                 "frame '%s' does not turn about the axis of the others: the camera moved, too, so that where "
                 "its lights are is not known. Fit each height of the camera as a session of its own; if the "
                 "object stood still, the session should say so (sheen import --moving camera)",
-                p->photos[i].name);
+                f->name);
+        sheen_rt_compose(p->rt_world_obj, turned->rounds.rt_world_cam[f->round], p->rt_cam_obj);
     }
     return SHEEN_OK;
 }
@@ -103,6 +101,7 @@ sheen_status sheen_photos_load(sheen_photos *out, const sheen_session *s, sheen_
 {
     *out = (sheen_photos){0};
     sheen_poses poses = {0};
+    posed turned = {0};
     sheen_status st;
     if ((st = load_camera(&out->cam, s, err)) || (st = sheen_registration_load(out->rt_board_obj, s, err)))
         goto done;
@@ -112,7 +111,11 @@ sheen_status sheen_photos_load(sheen_photos *out, const sheen_session *s, sheen_
     }
     if ((st = sheen_poses_load(&poses, s, err)))
         goto done;
-    set_world(out, s, &poses);
+    if (s->moving == SHEEN_MOVING_OBJECT) {
+        if ((st = find_rounds(&turned, s, &poses, err)))
+            goto done;
+        memcpy(out->rt_world_cam, turned.rounds.rt_world_cam[0], sizeof out->rt_world_cam);
+    }
     const size_t n_role = sheen_session_count_role(s, role);
     out->photos = calloc(n_role ? n_role : 1, sizeof *out->photos);
     if (!out->photos) {
@@ -127,15 +130,14 @@ sheen_status sheen_photos_load(sheen_photos *out, const sheen_session *s, sheen_
         if ((st = sheen_progress_step(progress, "reading photographs", (int)out->count, (int)n_role, err)))
             break;
         sheen_photo *p = &out->photos[out->count++];
-        set_poses(p, out, pose->rt_cam_board, s->moving);
-        st = load_photo(p, s, f, &out->cam, err);
+        if (!(st = set_poses(p, out, pose, &turned, err)))
+            st = load_photo(p, s, f, &out->cam, err);
     }
     if (!st && !out->count)
         st = sheen_fail(err, SHEEN_EDATA, "'%s' has no %s frame with a pose", s->path, sheen_role_name(role));
-    if (!st)
-        st = check_axis(out, s, err);
 
 done:
+    free(turned.frames);
     sheen_poses_release(&poses);
     if (st)
         sheen_photos_release(out);

@@ -20,7 +20,8 @@ typedef struct sheen_photos {
     sheen_camera cam;
     double rt_board_obj[6];
     double rt_world_cam
-        [6]; // of an object that turned: world is the board's frame in the session's first posed frame
+        [6]; // of an object that turned: world is the board's frame in the session's first input frame,
+             // and here the camera stood in the first round (others: fit/rounds.h)
     sheen_photo *photos;
     size_t count;
 } sheen_photos;

@@ -218,6 +218,41 @@ static void a_second_round_asks_for_the_camera(void **state)
     sheen_session_release(&st.session);
 }
 
+// The angle that a frame's picture shows.
+static double angle_of(station *st, const char *name)
+{
+    sheen_err err;
+    uint8_t *data;
+    size_t size_bytes;
+    const sheen_frame_info *f = sheen_session_find(&st->session, name);
+    assert_non_null(f);
+    assert_ok(sheen_session_payload(&data, &size_bytes, &st->session, f, &err), err);
+    const double angle_deg = angle_in(data);
+    free(data);
+    return angle_deg;
+}
+
+// The commanded angles tie the rounds together: the same one is the same place of the table, also where the program was
+// started anew in between and the table had been turned by hand.
+static void angles_count_on_from_round_to_round(void **state)
+{
+    for (int broken = 0; broken < 2; broken++) {
+        station st;
+        sheen_err err;
+        build(&st, *state, broken ? "tied.session" : "tied2.session");
+        if (broken) {
+            assert_ok(record_once(&st, &err), err);
+            fake_grbl_push(&st.board, 77);
+        }
+        st.o.n_rounds = 2;
+        assert_ok(record_once(&st, &err), err);
+        check_complete(&st);
+        const double off = angle_of(&st, "r2-002") - angle_of(&st, "r1-002");
+        assert_close(off - 360 * round(off / 360), 0, 0.6);
+        sheen_session_release(&st.session);
+    }
+}
+
 static void a_cable_pulled_at_any_step_costs_nothing(void **state)
 {
     for (int at = 1; at < STEPS; at++)
@@ -290,6 +325,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_turn_is_recorded_step_by_step, test_scratch_setup,
                                         test_scratch_teardown),
         cmocka_unit_test_setup_teardown(a_second_round_asks_for_the_camera, test_scratch_setup,
+                                        test_scratch_teardown),
+        cmocka_unit_test_setup_teardown(angles_count_on_from_round_to_round, test_scratch_setup,
                                         test_scratch_teardown),
         cmocka_unit_test_setup_teardown(a_cable_pulled_at_any_step_costs_nothing, test_scratch_setup,
                                         test_scratch_teardown),
