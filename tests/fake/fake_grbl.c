@@ -432,9 +432,12 @@ static void *play(void *self)
         pthread_mutex_lock(&f->lock);
         const bool over = f->quit || f->pulled;
         if (!over) {
-            notice_opening(f, !(p.revents & POLLHUP));
+            if (!f->is_port)
+                notice_opening(f, !(p.revents & POLLHUP));
             if (p.revents & POLLIN && !f->dwelling)
                 n = read(f->master, bytes, sizeof bytes);
+            if (f->is_port && p.revents & (POLLHUP | POLLERR))
+                pull(f);
             for (ssize_t i = 0; i < n && !f->pulled; i++)
                 receive(f, bytes[i]);
             advance(f);
@@ -448,6 +451,36 @@ static void *play(void *self)
         if (p.revents & POLLHUP)
             poll(NULL, 0, 1);
     }
+}
+
+static void begin(fake_grbl *f)
+{
+    f->quit = f->pulled = f->opened = false;
+    f->n_lines = 0;
+    f->state = f->homing_lock ? FAKE_ALARM : FAKE_IDLE;
+    f->units = f->target = 0;
+    f->last_ns = sheen_clock_ns();
+    if (pthread_create(&f->thread, NULL, play, f))
+        abort();
+}
+
+bool fake_grbl_start_at(fake_grbl *f, const char *path)
+{
+    struct termios t;
+    f->is_port = true;
+    f->master = open(path, O_RDWR | O_NOCTTY | O_NONBLOCK);
+    if (f->master < 0)
+        return false;
+    if (tcgetattr(f->master, &t)) {
+        close(f->master);
+        return false;
+    }
+    cfmakeraw(&t);
+    t.c_cflag |= CLOCAL;
+    tcsetattr(f->master, TCSANOW, &t);
+    tcflush(f->master, TCIOFLUSH);
+    begin(f);
+    return true;
 }
 
 void fake_grbl_start(fake_grbl *f)
@@ -465,13 +498,7 @@ void fake_grbl_start(fake_grbl *f)
     t.c_cflag |= HUPCL;
     tcsetattr(slave, TCSANOW, &t);
     close(slave);
-    f->quit = f->pulled = f->opened = false;
-    f->n_lines = 0;
-    f->state = f->homing_lock ? FAKE_ALARM : FAKE_IDLE;
-    f->units = f->target = 0;
-    f->last_ns = sheen_clock_ns();
-    if (pthread_create(&f->thread, NULL, play, f))
-        abort();
+    begin(f);
 }
 
 void fake_grbl_stop(fake_grbl *f)

@@ -50,7 +50,7 @@ typedef struct fake_grbl {
     int comment;
     int master;
     char path[64];
-    bool quit, pulled;
+    bool quit, pulled, is_port;
     pthread_t thread;
     pthread_mutex_t lock;
 } fake_grbl;
@@ -61,6 +61,9 @@ enum { FAKE_IDLE, FAKE_JOG, FAKE_RUN, FAKE_HOLD, FAKE_ALARM, FAKE_DOOR, FAKE_CHE
 void fake_grbl_init(fake_grbl *f);
 // Plugs it in: f->path is there, and the thread runs.
 void fake_grbl_start(fake_grbl *f);
+// The same at a serial line that is there, as a USB gadget's (/dev/ttyGS0). It ends by itself when the line hangs up: the
+// board is without power then, and fake_grbl_stop tidies up. False: it cannot be opened (yet).
+bool fake_grbl_start_at(fake_grbl *f, const char *path);
 // Pulls the cable (where no fault did already) and ends the thread; the table stays where it is. Then it may be started
 // again, powered up anew.
 void fake_grbl_stop(fake_grbl *f);

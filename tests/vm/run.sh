@@ -35,7 +35,8 @@ sync
 exec busybox poweroff -f
 EOF
 
-host=$here/host/$name.sh # a part of the test that runs on this side, beside the machine
+# A part of the test that runs on this side: before and beside the machine; and its function `afterwards`.
+host=$here/host/$name.sh
 extra=
 beside=
 if [ -f "$host" ]; then
@@ -63,4 +64,8 @@ if [ ! -f "$share/verdict" ]; then
     tail -n 30 "$share/console"
     exit 1
 fi
-exit "$(cat "$share/verdict")"
+verdict=$(cat "$share/verdict")
+if [ "$verdict" = 0 ] && command -v afterwards >/dev/null; then
+    afterwards || verdict=1
+fi
+exit "$verdict"

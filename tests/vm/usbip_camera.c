@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // usbip_camera.c - the simulated camera at the kernel's vhci_hcd, over the USB/IP protocol and without a network:
 //
-//     usbip_camera SESSION|- PORT [deaf]      until it is killed: then the camera is unplugged
+//     usbip_camera SESSION|- PORT [deaf | table=TTY]      until it is killed: then the camera is unplugged
+//
+// table=TTY: a Grbl controller with a turntable is at the other end of that serial line, and the camera sees it: SESSION's
+// frames are one turn of it. Without power (while the line hangs up) the table stays where it is.
 //
 // See Documentation/usb/usbip_protocol.rst of the kernel: 48 bytes of header in big-endian numbers, then data.
 #include <arpa/inet.h>
 #include <errno.h>
+#include <math.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,6 +19,7 @@
 
 #include <sys/socket.h>
 
+#include "tests/fake/fake_grbl.h"
 #include "tests/vm/uvc_camera.h"
 
 enum { CMD_SUBMIT = 1, CMD_UNLINK, RET_SUBMIT, RET_UNLINK, MAX_PENDING = 64, HIGH_SPEED = 3 };
@@ -142,12 +147,46 @@ static int attach(const char *port)
     return ends[0];
 }
 
+typedef struct table {
+    fake_grbl board;
+    const char *tty;
+} table;
+
+// Powers the board whenever its line is there.
+static void *run_table(void *self)
+{
+    table *t = self;
+    for (;;) {
+        if (fake_grbl_start_at(&t->board, t->tty))
+            pthread_join(t->board.thread, NULL);
+        poll(NULL, 0, 200);
+    }
+    return NULL;
+}
+
+static size_t picture_of_table(void *self, size_t n)
+{
+    table *t = self;
+    const double turns = fake_grbl_table_deg(&t->board, NULL) / 360;
+    return (size_t)lround((turns - floor(turns)) * (double)n) % n;
+}
+
 int main(int argc, char **argv)
 {
     uvc_camera c;
     if (argc < 3 || !uvc_camera_init(&c, argv[1]))
         return 2;
     c.deaf = argc > 3 && !strcmp(argv[3], "deaf");
+    static table turning;
+    if (argc > 3 && !strncmp(argv[3], "table=", 6)) {
+        pthread_t thread;
+        fake_grbl_init(&turning.board);
+        turning.tty = argv[3] + 6;
+        c.choose = picture_of_table;
+        c.choose_self = &turning;
+        if (pthread_create(&thread, NULL, run_table, &turning))
+            give_up("usbip camera: no thread");
+    }
     const int fd = attach(argv[2]);
     for (;;) {
         struct pollfd wait = {.fd = fd, .events = POLLIN};

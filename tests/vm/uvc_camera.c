@@ -316,6 +316,8 @@ size_t uvc_camera_transfer(uvc_camera *c, uint8_t *out, size_t size, int64_t now
             c->next_ns = now_ns;
         if (c->lit)
             draw_lit(c);
+        else if (c->choose)
+            c->i_frame = c->choose(c->choose_self, c->n_payloads);
     }
     const size_t i = c->n_payloads ? c->i_frame % c->n_payloads : 0;
     const uint8_t *data = c->lit ? c->lit : c->payloads[i];

@@ -33,6 +33,9 @@ typedef struct uvc_camera {
     int64_t next_ns; // when the next frame begins
     size_t i_frame, at_bytes;
     uint8_t *lit; // the grey picture
+    size_t (*choose)(void *self,
+                     size_t n_payloads); // which payload a frame that begins shows; NULL: one after another
+    void *choose_self;
 } uvc_camera;
 
 // From a session, or ("-") lit. False: it said why on stderr.

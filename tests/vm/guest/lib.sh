@@ -94,3 +94,36 @@ in_order() { # SESSION RECORDING MOST_JUMPED
         { last = place[$1] }
         END { print "jumped over " jumped + 0; exit bad || FNR < 2 || jumped > most }' recorded got
 }
+
+gadget=/sys/kernel/config/usb_gadget/turntable
+
+make_gadget() { # a turntable at the machine's own USB: its end is /dev/ttyGS0
+    mount -t configfs configfs /sys/kernel/config
+    mkdir $gadget
+    cd $gadget || return
+    echo 0x1d6b >idVendor
+    echo 0x0104 >idProduct
+    mkdir -p strings/0x409 configs/c.1 functions/acm.0
+    echo TT-0001 >strings/0x409/serialnumber
+    echo 'Turntable' >strings/0x409/product
+    echo sheen >strings/0x409/manufacturer
+    ln -s functions/acm.0 configs/c.1/
+    cd /tmp || return
+}
+
+plug_gadget() {
+    echo dummy_udc.0 >$gadget/UDC
+}
+
+unplug_gadget() {
+    echo "" >$gadget/UDC
+}
+
+load_gadget() { # before start_udev: its drivers, and the rule that names it
+    echo 'SUBSYSTEM=="tty", ATTRS{idVendor}=="1d6b", ATTRS{idProduct}=="0104", ATTRS{serial}=="TT-0001", ENV{SHEEN_TURNTABLE}="1"' \
+        >/tmp/share/59-turntable.rules
+    load dummy_hcd
+    load libcomposite
+    load usb_f_acm
+    load cdc_acm
+}

@@ -1,30 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # udev.sh - the project's rules under the real systemd-udevd: a turntable (CDC-ACM), a camera's raw USB node, and what
 # libusb tells of plugging.
-gadget=/sys/kernel/config/usb_gadget/turntable
-
-make_gadget() {
-    mount -t configfs configfs /sys/kernel/config
-    mkdir $gadget
-    cd $gadget || return
-    echo 0x1d6b >idVendor
-    echo 0x0104 >idProduct
-    mkdir -p strings/0x409 configs/c.1 functions/acm.0
-    echo TT-0001 >strings/0x409/serialnumber
-    echo 'Turntable' >strings/0x409/product
-    echo sheen >strings/0x409/manufacturer
-    ln -s functions/acm.0 configs/c.1/
-    cd /tmp || return
-}
-
-plug() {
-    echo dummy_udc.0 >$gadget/UDC
-}
-
-unplug() {
-    echo "" >$gadget/UDC
-}
-
 property() { # NODE NAME
     udevadm info --query=property --name="$1" | sed -n "s/^$2=//p"
 }
@@ -39,19 +15,14 @@ talks() {
     grep -q ok answer && grep -q version heard
 }
 
-echo 'SUBSYSTEM=="tty", ATTRS{idVendor}=="1d6b", ATTRS{idProduct}=="0104", ATTRS{serial}=="TT-0001", ENV{SHEEN_TURNTABLE}="1"' \
-    >/tmp/share/59-turntable.rules
-load dummy_hcd
-load libcomposite
-load usb_f_acm
-load cdc_acm
+load_gadget
 load uvcvideo
 load vhci-hcd
 start_udev
 hotplug >events &
 listener=$!
 make_gadget
-plug
+plug_gadget
 check "the turntable has its name" wait_for 10 test -c /dev/sheen/turntable
 check "which leads to the serial port" test "$(readlink -f /dev/sheen/turntable)" = /dev/ttyACM0
 check "of the group dialout, and nobody else's: $(stat -c '%A %G' /dev/ttyACM0)" \
@@ -60,10 +31,10 @@ check "ModemManager leaves it alone" test "$(property /dev/ttyACM0 ID_MM_DEVICE_
 check "the person at the machine may use it" sh -c "udevadm info /dev/ttyACM0 | grep -q 'TAGS=.*:uaccess:'"
 check "libusb tells of it" wait_for 5 grep -q '^arrived 1d6b:0104' events
 check "it can be talked to" talks /dev/sheen/turntable
-unplug
+unplug_gadget
 check "unplugged: the name is gone" wait_for 10 test ! -e /dev/sheen/turntable
 check "libusb tells of that" wait_for 5 grep -q '^left 1d6b:0104' events
-plug
+plug_gadget
 check "plugged in again: the name is back" wait_for 10 test -c /dev/sheen/turntable
 
 usbip_camera - 0 2>camera.log &
