@@ -3,8 +3,9 @@
 //
 // For each printed corner: a homography from the tags within 1.7 squares predicts it to a fraction of a pixel
 // (local, so that the lens hardly bends it); the refinement then works in a window that ends before the tags; a
-// corner stays only where the four squares around it are as dark and bright as printed. Tags give identity and
-// place only: their own corners shrink inwards by tenths of a pixel under blur, saddles do not.
+// corner stays only where the four squares around it are as dark and bright as printed, and where nothing else is in
+// its window. Tags give identity and place only: their own corners shrink inwards by tenths of a pixel under blur,
+// saddles do not.
 #include "calib/saddles.h"
 
 #include <math.h>
@@ -12,6 +13,7 @@
 #include <string.h>
 
 #include "calib/homography.h"
+#include "calib/saddle_noise.h"
 #include "calib/saddle_refine.h"
 
 enum { MAX_NEAR = 8, MIN_HALF_PX = 2, MAX_HALF_PX = 8, MIN_CONTRAST = 15 };
@@ -19,6 +21,8 @@ enum { MAX_NEAR = 8, MIN_HALF_PX = 2, MAX_HALF_PX = 8, MIN_CONTRAST = 15 };
 static const double NEAR_SQUARES = 1.7;
 static const double ADJACENT_SQUARES = 0.8; // the tags of the corner's own two white squares
 static const double WINDOW_OF_GAP = 0.9;
+static const double MAX_ASYMMETRY = 2;     // times the median of the frame's corners, and
+static const double LEAST_ASYMMETRY = 2.5; // grey values: less than that does no harm
 
 typedef struct finder {
     const sheen_board_view *view;
@@ -127,7 +131,7 @@ static bool looks_printed(const finder *f, const double H[9], const sheen_board_
     return contrast > MIN_CONTRAST && low[1] - high[0] > 0.5 * contrast;
 }
 
-static bool find_one(sheen_saddle *out, const finder *f, const sheen_board_corner *corner)
+static bool find_one(sheen_saddle *out, double *asymmetry, const finder *f, const sheen_board_corner *corner)
 {
     double H[9], q[2];
     if (!local_homography(H, f, corner->p_board) || !map_offset(q, H, corner->p_board, 0, 0))
@@ -139,7 +143,27 @@ static bool find_one(sheen_saddle *out, const finder *f, const sheen_board_corne
         return false;
     *out = (sheen_saddle){.row = corner->row, .col = corner->col, .q_px = {q[0], q[1]}};
     memcpy(out->p_board, corner->p_board, sizeof out->p_board);
-    return true;
+    return sheen_saddle_noise(out->covariance, asymmetry, f->grey, f->view->width_px, f->view->height_px,
+                              out->q_px, half);
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+// Leaves corners out that have something in their window that does not belong to the board.
+static void drop_disturbed(sheen_board_view *view, const double *asymmetry, double *scratch)
+{
+    const size_t n = view->n_saddles;
+    memcpy(scratch, asymmetry, n * sizeof *scratch);
+    qsort(scratch, n, sizeof *scratch, ascending);
+    const double limit = n ? MAX_ASYMMETRY * fmax(LEAST_ASYMMETRY, scratch[n / 2]) : 0;
+    view->n_saddles = 0;
+    for (size_t i = 0; i < n; i++)
+        if (asymmetry[i] <= limit)
+            view->saddles[view->n_saddles++] = view->saddles[i];
 }
 
 sheen_status sheen_saddles_find(sheen_board_view *view, const uint8_t *grey, const sheen_board *board,
@@ -152,14 +176,20 @@ sheen_status sheen_saddles_find(sheen_board_view *view, const uint8_t *grey, con
     view->saddles = calloc(board->n_corners, sizeof *view->saddles);
     if (!view->saddles)
         return sheen_fail_memory(err, (double)board->n_corners * sizeof *view->saddles, "corners");
+    double *asymmetry = malloc((2 * board->n_corners + 1) * sizeof *asymmetry);
+    if (!asymmetry)
+        return sheen_fail_memory(err, 2 * (double)board->n_corners * sizeof *asymmetry, "corners");
     const finder f = {.view = view,
                       .grey = grey,
                       .board = board,
                       .gap_m = (board->square_m - board->tag_side_m) / 2,
                       .white_parity = (board->tags[0].row + board->tags[0].col) & 1};
     for (size_t i = 0; i < board->n_corners; i++)
-        if (board->corners[i].printed && find_one(&view->saddles[view->n_saddles], &f, &board->corners[i]))
+        if (board->corners[i].printed &&
+            find_one(&view->saddles[view->n_saddles], &asymmetry[view->n_saddles], &f, &board->corners[i]))
             view->n_saddles++;
+    drop_disturbed(view, asymmetry, asymmetry + board->n_corners);
+    free(asymmetry);
     return SHEEN_OK;
 }
 

@@ -22,6 +22,8 @@ typedef struct sheen_saddle {
     int row, col; // as in sheen_board_corner
     double q_px[2];
     double p_board[3]; // metres
+    // (xx, xy, yy) of q_px for noise of one grey value a pixel; what it is in pixels the residuals say. 0: not known
+    double covariance[3];
 } sheen_saddle;
 
 typedef struct sheen_board_view {

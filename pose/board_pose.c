@@ -105,12 +105,19 @@ static sheen_status fit_robustly(sheen_board_pose *out, const sheen_camera *came
 
 static sheen_status points_of_saddles(sheen_pose_points *points, const sheen_board_view *view, sheen_err *err)
 {
-    const sheen_status s = sheen_pose_points_init(points, view->n_saddles, err);
+    double(*covariance)[3] = malloc((view->n_saddles + 1) * sizeof *covariance);
+    sheen_status s = covariance
+                         ? sheen_pose_points_init(points, view->n_saddles, err)
+                         : sheen_fail_memory(err, (double)view->n_saddles * sizeof *covariance, "a pose");
     for (size_t i = 0; i < view->n_saddles && !s; i++) {
         memcpy(points->p_board + 3 * i, view->saddles[i].p_board, 3 * sizeof(double));
         memcpy(points->q_px + 2 * i, view->saddles[i].q_px, 2 * sizeof(double));
+        memcpy(covariance[i], view->saddles[i].covariance, sizeof covariance[i]);
         points->use[i] = true;
     }
+    if (!s)
+        sheen_pose_points_weigh(points, (const double(*)[3])covariance);
+    free(covariance);
     return s;
 }
 

@@ -14,7 +14,7 @@
 #include "calib/cholesky.h"
 #include "calib/homography.h"
 
-enum { MAX_STEPS = 50, DOUBLES_PER_POINT = 3 + 2 + 3 + 2 + 6 };
+enum { MAX_STEPS = 50, DOUBLES_PER_POINT = 3 + 2 + 3 + 2 + 6 + 3 };
 
 sheen_status sheen_pose_points_init(sheen_pose_points *points, size_t n, sheen_err *err)
 {
@@ -30,7 +30,38 @@ sheen_status sheen_pose_points_init(sheen_pose_points *points, size_t n, sheen_e
     points->p_cam = block + 5 * n;
     points->fit_px = block + 8 * n;
     points->J = block + 10 * n;
+    points->whiten = block + 16 * n;
+    for (size_t i = 0; i < n; i++)
+        points->whiten[3 * i] = points->whiten[3 * i + 2] = 1;
     return SHEEN_OK;
+}
+
+void sheen_pose_points_weigh(sheen_pose_points *points, const double (*covariance)[3])
+{
+    double information = 0; // mean of the points' in one direction
+    for (size_t i = 0; i < points->n; i++) {
+        const double *c = covariance[i], det = c[0] * c[2] - c[1] * c[1];
+        if (!(c[0] > 0 && c[2] > 0 && det > 1e-9 * c[0] * c[2]))
+            return;
+        information += (c[0] + c[2]) / (2 * det * (double)points->n);
+    }
+    for (size_t i = 0; i < points->n; i++) { // U with U'U = covariance^-1 / information
+        const double *c = covariance[i], det = c[0] * c[2] - c[1] * c[1];
+        double *u = points->whiten + 3 * i;
+        u[0] = sqrt(c[2] / det / information);
+        u[1] = -c[1] / det / information / u[0];
+        u[2] = sqrt(1 / c[2] / information);
+    }
+}
+
+// A point's residual, whitened.
+static void residual(double e[2], const sheen_pose_points *points, size_t i)
+{
+    const double *u = points->whiten + 3 * i;
+    const double dx = points->q_px[2 * i] - points->fit_px[2 * i];
+    const double dy = points->q_px[2 * i + 1] - points->fit_px[2 * i + 1];
+    e[0] = u[0] * dx + u[1] * dy;
+    e[1] = u[2] * dy;
 }
 
 void sheen_pose_points_release(sheen_pose_points *points)
@@ -77,9 +108,9 @@ static sheen_status project(double *cost, const sheen_Rt *Rt, const sheen_camera
     *cost = 0;
     for (size_t i = 0; i < points->n && !s; i++)
         if (points->use[i]) {
-            const double dx = points->q_px[2 * i] - points->fit_px[2 * i];
-            const double dy = points->q_px[2 * i + 1] - points->fit_px[2 * i + 1];
-            *cost += dx * dx + dy * dy;
+            double e[2];
+            residual(e, points, i);
+            *cost += e[0] * e[0] + e[1] * e[1];
         }
     if (!isfinite(*cost))
         *cost = INFINITY;
@@ -94,13 +125,16 @@ static void normal_equations(double A[36], double b[6], const sheen_Rt *Rt, cons
     for (size_t i = 0; i < points->n; i++) {
         if (!points->use[i])
             continue;
-        double r[3];
+        double r[3], residuals[2];
+        const double *whiten = points->whiten + 3 * i, *by_p = points->J + 6 * i;
         sheen_sub(r, points->p_cam + 3 * i, Rt->t);
+        residual(residuals, points, i);
         for (size_t k = 0; k < 2; k++) {
-            const double *g = points->J + 6 * i + 3 * k;
-            double J[6] = {0, 0, 0, g[0], g[1], g[2]};
+            double J[6], *g = J + 3; // of the whitened residual
+            for (int c = 0; c < 3; c++)
+                g[c] = k ? whiten[2] * by_p[3 + c] : whiten[0] * by_p[c] + whiten[1] * by_p[3 + c];
             sheen_cross(J, r, g); // g . (w x r) = w . (r x g)
-            const double e = points->q_px[2 * i + k] - points->fit_px[2 * i + k];
+            const double e = residuals[k];
             for (int u = 0; u < 6; u++) {
                 for (int v = 0; v <= u; v++)
                     A[6 * u + v] += J[u] * J[v];
@@ -192,9 +226,11 @@ sheen_status sheen_pose_errors(double *error_px, const double rt_cam_board[6], c
     double cost;
     sheen_Rt_from_rt(&Rt, rt_cam_board);
     const sheen_status s = project(&cost, &Rt, camera, points, err);
-    for (size_t i = 0; i < points->n && !s; i++)
-        error_px[i] = hypot(points->q_px[2 * i] - points->fit_px[2 * i],
-                            points->q_px[2 * i + 1] - points->fit_px[2 * i + 1]);
+    for (size_t i = 0; i < points->n && !s; i++) {
+        double e[2];
+        residual(e, points, i);
+        error_px[i] = hypot(e[0], e[1]);
+    }
     return s;
 }
 

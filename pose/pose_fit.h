@@ -18,6 +18,7 @@ typedef struct sheen_pose_points {
     double *p_board;            // [n][3], metres; z = 0 for the seed
     double *q_px;               // [n][2]
     bool *use;                  // [n]
+    double *whiten;             // [n][3]: residuals count as (w0 x + w1 y, w2 y); 1 0 1 after init
     double *p_cam, *fit_px, *J; // scratch: [n][3], [n][2], [n][2][3]
 } sheen_pose_points;
 
@@ -29,16 +30,21 @@ void sheen_pose_points_release(sheen_pose_points *points);
 sheen_status sheen_pose_seed(double rt_cam_board[6], const sheen_camera *camera, sheen_pose_points *points,
                              sheen_err *err);
 
-// Levenberg-Marquardt from a seed, over the points in use, through the full lens model; *rms_px is per axis.
+// Weighs the points by their covariances (xx, xy, yy; any common unit): residuals are whitened so that their mean
+// square stays one in squared pixels. All points count alike where a covariance is not positive definite.
+void sheen_pose_points_weigh(sheen_pose_points *points, const double (*covariance)[3]);
+
+// Levenberg-Marquardt from a seed, over the points in use, through the full lens model; *rms_px is per axis, of
+// whitened residuals.
 // EDATA where it does not end at a pose in front of the camera.
 sheen_status sheen_pose_refine(double rt_cam_board[6], double *rms_px, const sheen_camera *camera,
                                sheen_pose_points *points, sheen_err *err);
 
-// Pixel distance of every point (in use or not) from where the pose puts it; NaN behind the camera.
+// Whitened pixel distance of every point (in use or not) from where the pose puts it; NaN behind the camera.
 sheen_status sheen_pose_errors(double *error_px, const double rt_cam_board[6], const sheen_camera *camera,
                                sheen_pose_points *points, sheen_err *err);
 
-// Covariance of rt_cam_board[6] for pixel noise of sigma_px per axis over the points in use. EDATA where they do
+// Covariance of rt_cam_board[6] for whitened noise of sigma_px per axis over the points in use. EDATA where they do
 // not determine the pose.
 sheen_status sheen_pose_covariance(double covariance[36], const double rt_cam_board[6], double sigma_px,
                                    const sheen_camera *camera, sheen_pose_points *points, sheen_err *err);

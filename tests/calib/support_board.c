@@ -12,7 +12,7 @@
 #include "base/vec.h"
 #include "support.h"
 
-enum { TAG_CELLS = 8, SUB = 4, STEP_PX = 8, MAX_TAGS = 600, MAX_BLUR = 12 };
+enum { TAG_CELLS = 8, SUB = 8, STEP_PX = 4, MAX_TAGS = 600, MAX_BLUR = 12 };
 
 static const double WHITE = 0.85, BLACK = 0.05, TABLE = 0.2, COVER = 0.4;
 
@@ -135,6 +135,23 @@ static double sample(const ink *in, const sheen_Rt *Rt, const double *grid, int 
     return light_at(in, p[0], p[1]);
 }
 
+// A pixel's mean light. Where its corners differ, over SUB x SUB places, rows and columns sheared so that an edge along
+// the pixels' grid is met at SUB * SUB different places, too.
+static double pixel(const ink *in, const sheen_Rt *Rt, const double *grid, int grid_cols, int x, int y)
+{
+    double corners[4], sum = 0;
+    for (int k = 0; k < 4; k++)
+        corners[k] = sample(in, Rt, grid, grid_cols, x + 0.49 * (k % 2 ? 1 : -1),
+                            y + 0.49 * (k / 2 ? 1 : -1));
+    if (corners[0] == corners[1] && corners[0] == corners[2] && corners[0] == corners[3])
+        return corners[0];
+    for (int j = 0; j < SUB; j++)
+        for (int i = 0; i < SUB; i++)
+            sum += sample(in, Rt, grid, grid_cols, x + (i + (j + 0.5) / SUB) / SUB - 0.5,
+                          y + (j + (i + 0.5) / SUB) / SUB - 0.5);
+    return sum / (SUB * SUB);
+}
+
 // Along rows of `from`, transposed into `to`: twice is a blur in both directions.
 static void blur_rows(float *to, const float *from, int width, int height, double sigma)
 {
@@ -169,11 +186,7 @@ uint8_t *test_photo_render(const test_photo *photo)
     assert_true(light && turned && out);
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
-            double sum = 0;
-            for (int k = 0; k < SUB * SUB; k++)
-                sum += sample(&in, &Rt, grid, grid_cols, x + (k % SUB + 0.5) / SUB - 0.5,
-                              y + ((double)(k / SUB) + 0.5) / SUB - 0.5);
-            light[(size_t)y * (size_t)width + (size_t)x] = (float)(sum / (SUB * SUB));
+            light[(size_t)y * (size_t)width + (size_t)x] = (float)pixel(&in, &Rt, grid, grid_cols, x, y);
         }
     blur_rows(turned, light, width, height, photo->blur_px);
     blur_rows(light, turned, height, width, photo->blur_px);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // support_board.h - boards, and photographs of them, for tests: a small renderer of its own.
 //
-// The board's ink is looked up exactly, through the camera's full lens model, at 4 x 4 places in each pixel; then
-// blur, coding by a power law, noise, 8 bit.
+// The board's ink is looked up exactly, through the camera's full lens model, at 8 x 8 places in each pixel that an
+// edge crosses; then blur, coding by a power law, noise, 8 bit.
 #ifndef SHEEN_TESTS_SUPPORT_BOARD_H
 #define SHEEN_TESTS_SUPPORT_BOARD_H
 

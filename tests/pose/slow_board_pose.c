@@ -117,7 +117,10 @@ int main(int argc, char **argv)
            "squared error over variance: mean %.3f, median %.3f (ideal: 1, 0.89)\n",
            found, n, gross, mm[found / 2], deg[found / 2], mm[found * 99 / 100], deg[found * 99 / 100],
            mm[found - 1], deg[found - 1], chi2_sum / (double)found, chi2[found / 2]);
-    const bool good = !gross && 10 * found > 9 * n && mm[found / 2] <= 0.03 && deg[found / 2] <= 0.015;
+    // within 10 %, and two sigmas of a mean of so few
+    const double chi2_far = fabs(chi2_sum / (double)found - 1) - 2 * sqrt(1 / (3.0 * (double)found));
+    const bool good = !gross && 10 * found > 9 * n && mm[found / 2] <= 0.03 && deg[found / 2] <= 0.015 &&
+                      chi2_far <= 0.1;
     free(mm);
     free(t.outcomes);
     sheen_board_release(&t.board);
