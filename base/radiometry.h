@@ -53,6 +53,9 @@ sheen_status sheen_radiometry_develop(sheen_image *out, const sheen_radiometry *
 sheen_status sheen_radiometry_store(const sheen_session *s, sheen_measure kind, const sheen_frame_info *taken,
                                     const sheen_raster *codes, const sheen_image *response, sheen_err *err);
 
+// What `from` has measured and `to` has not. EIO, EFORMAT.
+sheen_status sheen_radiometry_copy(const sheen_session *to, const sheen_session *from, sheen_err *err);
+
 // Whether what was measured of frames like a may be used for b (see sheen_measure). EDATA: the sentence says what differs.
 sheen_status sheen_measure_belongs(sheen_measure kind, const sheen_frame_info *a, const sheen_frame_info *b,
                                    sheen_err *err);

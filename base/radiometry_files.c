@@ -278,6 +278,39 @@ sheen_status sheen_radiometry_store(const sheen_session *s, sheen_measure kind, 
     return st;
 }
 
+static sheen_status copy_file(const sheen_session *to, const sheen_session *from, const char *name,
+                              const char *ending, sheen_err *err)
+{
+    char to_path[SHEEN_PATH_MAX], from_path[SHEEN_PATH_MAX];
+    sheen_status st = path_of(to_path, to, name, ending, err);
+    if (!st)
+        st = path_of(from_path, from, name, ending, err);
+    return st ? st : sheen_file_copy(to_path, from_path, err);
+}
+
+sheen_status sheen_radiometry_copy(const sheen_session *to, const sheen_session *from, sheen_err *err)
+{
+    char dir[SHEEN_PATH_MAX], name[32];
+    sheen_status st = sheen_session_path(dir, to, SHEEN_SESSION_RADIOMETRY, err);
+    for (int kind = 0; kind < SHEEN_MEASURE_COUNT && !st; kind++)
+        for (int i = 0; i < (kind == SHEEN_MEASURE_DARK ? MAX_DARKS : 1) && !st; i++) {
+            sheen_frame_info info;
+            name_of(name, (sheen_measure)kind, i);
+            if (!has(from, name))
+                break;
+            if (has(to, name))
+                continue;
+            st = sheen_dir_make(dir, err);
+            if (!st)
+                st = read_description(&info, from, name, err);
+            if (!st)
+                st = copy_file(to, from, info.file, "", err);
+            if (!st)
+                st = copy_file(to, from, name, ".json", err);
+        }
+    return st;
+}
+
 sheen_status sheen_radiometry_digest(char hex[33], const sheen_session *s, sheen_err *err)
 {
     enum { MAX_TEXT = (MAX_DARKS + 2) * 48 };

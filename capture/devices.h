@@ -29,6 +29,8 @@ void sheen_devices_release(sheen_device *devices, size_t n_devices);
 
 // For the seam of v4l2_io.h, which see: a node's lasting name and identity by libudev, its arrival, and a reset by libusb.
 void sheen_device_lasting_name(char *name, size_t size_bytes, const char *path);
+// As the camera at the node calls itself; "" where that is not known.
+void sheen_device_name(char *text, size_t size_bytes, const char *path);
 void sheen_device_identity(char *text, size_t size_bytes, const char *path);
 int sheen_device_await(const char *path, int wake_fd, int timeout_ms);
 int sheen_device_reset(const char *identity);

@@ -247,6 +247,17 @@ void sheen_device_identity(char *text, size_t size_bytes, const char *path)
     udev_unref(udev);
 }
 
+void sheen_device_name(char *text, size_t size_bytes, const char *path)
+{
+    struct udev *udev = udev_new();
+    struct udev_device *dev = device_of(udev, path);
+    const char *name = dev ? udev_device_get_sysattr_value(dev, "name") : NULL;
+    snprintf(text, size_bytes, "%s", name ? name : "");
+    if (dev)
+        udev_device_unref(dev);
+    udev_unref(udev);
+}
+
 // udevd has made the links when it tells of a device; without udevd looking again does.
 int sheen_device_await(const char *path, int wake_fd, int timeout_ms)
 {

@@ -22,7 +22,8 @@ sheen_status sheen_libcamera_lock_begin(sheen_libcamera_lock *lock, const sheen_
             "the settings of '%.80s' cannot be locked: libcamera does not control %s (of USB cameras it "
             "never does); use v4l2:/dev/videoN, or add '?lock=off' to record without a lock",
             name, lacks);
-    lock->phase = SHEEN_LIBCAMERA_WARM_UP;
+    lock->resumed = lock->resumed || lock->phase == SHEEN_LIBCAMERA_HELD;
+    lock->phase = lock->want.exposure_us > 0 ? SHEEN_LIBCAMERA_SETTLE : SHEEN_LIBCAMERA_WARM_UP;
     lock->n_frames = 0;
     return SHEEN_OK;
 }
@@ -98,7 +99,8 @@ sheen_status sheen_libcamera_lock_frame(bool *keep, sheen_libcamera_lock *lock,
         lock->n_frames = 0;
         return SHEEN_OK;
     case SHEEN_LIBCAMERA_SETTLE:
-        if (!matches(lock, says, &lock->want, wish_share, wish_us))
+        if (!matches(lock, says, &lock->want, wish_share, wish_us) ||
+            (lock->resumed && !matches(lock, says, &lock->held, held_share, 0)))
             return stray(lock, says, SETTLE_FRAMES, name, err);
         lock->held = *says;
         lock->phase = SHEEN_LIBCAMERA_HELD;

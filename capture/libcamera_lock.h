@@ -28,6 +28,7 @@ typedef struct sheen_libcamera_lock {
     bool is_raw;       // a mosaic: white balance does not touch it
     double exposure_s; // asked for; 0: what the automatic finds
     int mains_hz;      // exposure in whole half periods of the lamps; 0: any
+    bool resumed;      // `held` is of before
     int n_frames;      // of this phase, or that did not match in a row
     sheen_frame_pipeline want, held;
 } sheen_libcamera_lock;
@@ -36,6 +37,8 @@ typedef struct sheen_libcamera_abilities { // controls that the camera has
     bool exposure, gain, colour_gains;
 } sheen_libcamera_abilities;
 
+// At the beginning (all zero but the wishes), and again whenever the stream begins anew, maybe of a camera that was plugged
+// in again: what was asked for is then asked for again, and frames must be as those before.
 // EUNSUP where the camera, here called `name`, cannot be held to its settings through libcamera, with what to do.
 sheen_status sheen_libcamera_lock_begin(sheen_libcamera_lock *lock, const sheen_libcamera_abilities *can,
                                         const char *name, sheen_err *err);

@@ -3,7 +3,7 @@
 //
 // Requests with a buffer each go round: queued, finished by libcamera's thread, handed over, copied, and queued again
 // with the settings of the lock (libcamera_lock.h), which judges each by its metadata. A camera that is unplugged just
-// stalls: its `disconnected` signal ends the waiting. Written for the interface of 0.0.3; what is different in newer ones
+// stalls: its `disconnected` signal ends the waiting; it is found again by its id, and locked and proven anew. Written for the interface of 0.0.3; what is different in newer ones
 // is in the block below.
 #include "capture/libcamera_source.h"
 
@@ -118,6 +118,7 @@ struct mapping {
 struct camera {
     sheen_v4l2_options options{};
     std::string name; // for sentences
+    std::string id;   // libcamera's, by which it is found again; "" before it was found
     std::unique_ptr<lc::CameraManager> manager;
     std::shared_ptr<lc::Camera> device;
     std::unique_ptr<lc::CameraConfiguration> configuration;
@@ -164,7 +165,8 @@ struct camera {
     camera(const camera &) = delete;
     camera &operator=(const camera &) = delete;
 
-    ~camera()
+    // Everything of the device is given back, in any state; the manager goes on and sees it come again.
+    void let_go()
     {
         if (device) {
             if (started)
@@ -175,11 +177,21 @@ struct camera {
         requests.clear();
         for (const auto &m : mappings)
             munmap(m.second.at, m.second.size_bytes);
+        mappings.clear();
         buffers.reset();
         if (acquired)
             device->release();
         configuration.reset();
         device.reset();
+        acquired = started = false;
+        const std::lock_guard<std::mutex> hold(mutex);
+        done.clear();
+        gone = false;
+    }
+
+    ~camera()
+    {
+        let_go();
         if (manager)
             manager->stop();
         if (wake_fd >= 0)
@@ -214,23 +226,30 @@ std::string model_of(const lc::Camera &device)
 sheen_status find_device(camera &c, sheen_err *err)
 {
     const auto all = c.manager->cameras();
+    const std::string wanted = c.id.empty() ? c.options.path : c.id;
     char *end;
-    const unsigned long i = strtoul(c.options.path, &end, 10);
-    if (!*end && i < all.size())
+    const unsigned long i = strtoul(wanted.c_str(), &end, 10);
+    if (c.id.empty() && !*end && i < all.size()) // a number says which one at the beginning only
         c.device = all[i];
     for (const auto &device : all)
-        if (device->id() == c.options.path)
+        if (device->id() == wanted)
             c.device = device;
     if (!c.device)
         return sheen_fail(err, SHEEN_ENODEV,
                           "libcamera knows %zu cameras, and '%.100s' is none: 'sheen devices' lists them",
-                          all.size(), c.options.path);
+                          all.size(), wanted.c_str());
     c.name = model_of(*c.device);
+    c.id = c.device->id();
     if (c.device->acquire())
         return sheen_fail(err, SHEEN_EIO, "cannot use '%.80s': another program does; close it and try again",
                           c.name.c_str());
     c.acquired = true;
     return SHEEN_OK;
+}
+
+sheen_status fail_requests(const camera &c, sheen_err *err)
+{
+    return sheen_fail(err, SHEEN_EIO, "'%.80s' takes no requests", c.name.c_str());
 }
 
 sheen_status fail_format(const camera &c, const lc::StreamConfiguration &got, sheen_err *err)
@@ -388,11 +407,33 @@ sheen_status start(camera &c, sheen_err *err)
     c.started = true;
     for (const auto &buffer : c.buffers->buffers(stream)) {
         std::unique_ptr<lc::Request> request = c.device->createRequest();
-        if (!request || request->addBuffer(stream, buffer.get()) || c.device->queueRequest(request.get()))
-            return sheen_fail(err, SHEEN_EIO, "'%.80s' takes no requests", c.name.c_str());
+        if (!request || request->addBuffer(stream, buffer.get()))
+            return fail_requests(c, err);
+        ask(c, request->controls());
+        if (c.device->queueRequest(request.get()))
+            return fail_requests(c, err);
         c.requests.push_back(std::move(request));
     }
     return SHEEN_OK;
+}
+
+sheen_status begin_lock(camera &c, sheen_err *err)
+{
+    const lc::ControlInfoMap &can = c.device->controls();
+    const sheen_libcamera_abilities abilities = {
+        has(can, controls::ExposureTime), has(can, controls::AnalogueGain), has(can, controls::ColourGains)};
+    return c.options.lock ? sheen_libcamera_lock_begin(&c.lock, &abilities, c.name.c_str(), err) : SHEEN_OK;
+}
+
+// The device that was found, until it streams.
+sheen_status make_ready(camera &c, sheen_err *err)
+{
+    sheen_status s = configure(c, err);
+    if (!s)
+        s = begin_lock(c, err);
+    if (!s)
+        s = describe(c, err);
+    return s ? s : start(c, err);
 }
 
 sheen_status open_camera(camera &c, const char *rest, sheen_err *err)
@@ -406,20 +447,9 @@ sheen_status open_camera(camera &c, const char *rest, sheen_err *err)
         s = start_manager(c.manager, err);
     if (!s)
         s = find_device(c, err);
-    if (!s)
-        s = configure(c, err);
-    if (!s && c.options.lock) {
-        const lc::ControlInfoMap &can = c.device->controls();
-        const sheen_libcamera_abilities abilities = {has(can, controls::ExposureTime),
-                                                     has(can, controls::AnalogueGain),
-                                                     has(can, controls::ColourGains)};
-        c.lock.exposure_s = c.options.exposure_s;
-        c.lock.mains_hz = c.options.mains_hz;
-        s = sheen_libcamera_lock_begin(&c.lock, &abilities, c.name.c_str(), err);
-    }
-    if (!s)
-        s = describe(c, err);
-    return s ? s : start(c, err);
+    c.lock.exposure_s = c.options.exposure_s;
+    c.lock.mains_hz = c.options.mains_hz;
+    return s ? s : make_ready(c, err);
 }
 
 sheen_frame_pipeline read_metadata(metadata says)
@@ -583,6 +613,81 @@ try {
     return fail_exception(err, e);
 }
 
+// The stream anew: what was queued comes back cancelled, and is queued again with the settings of the lock.
+sheen_status restart(camera &c, sheen_err *err)
+{
+    if (!c.started || c.device->stop())
+        return sheen_fail(err, SHEEN_EIO, "'%.80s' does not stop", c.name.c_str());
+    c.started = false;
+    {
+        const std::lock_guard<std::mutex> hold(c.mutex);
+        if (c.gone)
+            return sheen_fail(err, SHEEN_ENODEV, "'%.80s' is gone", c.name.c_str());
+        c.done.clear();
+    }
+    c.begun = false; // it counts its frames from 0 again
+    const sheen_status s = begin_lock(c, err);
+    if (s)
+        return s;
+    if (c.device->start())
+        return sheen_fail(err, SHEEN_EIO, "'%.80s' does not start again", c.name.c_str());
+    c.started = true;
+    for (const auto &request : c.requests) {
+        request->reuse(lc::Request::ReuseBuffers);
+        ask(c, request->controls());
+        if (c.device->queueRequest(request.get()))
+            return fail_requests(c, err);
+    }
+    return SHEEN_OK;
+}
+
+sheen_status reopen(camera &c, sheen_err *err)
+{
+    const sheen_colorimetry color = c.info.color;
+    c.let_go();
+    c.begun = false;
+    sheen_status s = find_device(c, err);
+    if (!s)
+        s = make_ready(c, err);
+    if (!s && memcmp(&color, &c.info.color, sizeof color) != 0)
+        s = sheen_fail(err, SHEEN_EIO, "'%.80s' came back with other colours: begin a new session",
+                       c.name.c_str());
+    return s;
+}
+
+sheen_status recover(camera &c, sheen_rung rung, sheen_err *err)
+{
+    if (rung == SHEEN_RUNG_RESET)
+        return sheen_fail(err, SHEEN_EUNSUP, "libcamera resets no devices");
+    return rung == SHEEN_RUNG_RESTART && c.started ? restart(c, err) : reopen(c, err);
+}
+
+// libcamera tells of cameras that come by signals of its own; a look at its list now and then does as well.
+bool await(camera &c, int timeout_ms)
+{
+    c.let_go(); // whoever holds the old device keeps its place from the one that comes
+    for (const auto &device : c.manager->cameras())
+        if (device->id() == c.id)
+            return true;
+    pollfd wait = {c.wake_fd, POLLIN, 0};
+    poll(&wait, 1, timeout_ms);
+    return false;
+}
+
+sheen_status backend_recover(void *self, sheen_rung rung, sheen_err *err)
+try {
+    return recover(*static_cast<camera *>(self), rung, err);
+} catch (const std::exception &e) {
+    return fail_exception(err, e);
+}
+
+bool backend_await(void *self, int timeout_ms)
+try {
+    return await(*static_cast<camera *>(self), timeout_ms);
+} catch (const std::exception &) {
+    return false;
+}
+
 // Also called from a signal handler: a flag and a write.
 void backend_stop(void *self)
 {
@@ -609,6 +714,8 @@ constexpr sheen_source_backend make_backend() noexcept
     b.next = backend_next;
     b.stop = backend_stop;
     b.counters = backend_counters;
+    b.recover = backend_recover;
+    b.await = backend_await;
     b.close = backend_close;
     return b;
 }

@@ -53,6 +53,12 @@ typedef struct word {
 
 static const word matrices[] = {
     {"601", V4L2_YCBCR_ENC_601}, {"709", V4L2_YCBCR_ENC_709}, {"2020", V4L2_YCBCR_ENC_BT2020}, {0}};
+static const word colorspaces[] = {{"srgb", V4L2_COLORSPACE_SRGB},
+                                   {"rec709", V4L2_COLORSPACE_REC709},
+                                   {"smpte170m", V4L2_COLORSPACE_SMPTE170M},
+                                   {"jpeg", V4L2_COLORSPACE_JPEG},
+                                   {"raw", V4L2_COLORSPACE_RAW},
+                                   {0}};
 static const word ranges[] = {
     {"full", V4L2_QUANTIZATION_FULL_RANGE}, {"limited", V4L2_QUANTIZATION_LIM_RANGE}, {0}};
 
@@ -96,17 +102,20 @@ static sheen_status set(sheen_v4l2_options *o, const char *key, const char *valu
         o->set_transfer = true;
         return sheen_transfer_from_name(&o->transfer, value, err);
     }
+    if (!strcmp(key, "colorspace"))
+        return parse_word(&o->colorspace, colorspaces, value)
+                   ? SHEEN_OK
+                   : wrong(err, key, value, "srgb, rec709, smpte170m, jpeg or raw");
     if (!strcmp(key, "matrix"))
         return parse_word(&o->ycbcr_enc, matrices, value) ? SHEEN_OK
                                                           : wrong(err, key, value, "601, 709 or 2020");
     if (!strcmp(key, "range"))
         return parse_word(&o->quantization, ranges, value) ? SHEEN_OK
                                                            : wrong(err, key, value, "full or limited");
-    return sheen_fail(
-        err, SHEEN_EARG,
-        "unknown option '%.40s': a camera's are format, size, rate, exposure_ms, mains, lock, transfer, "
-        "matrix, range",
-        key);
+    return sheen_fail(err, SHEEN_EARG,
+                      "unknown option '%.40s': a camera's are format, size, rate, exposure_ms, mains, lock, "
+                      "colorspace, transfer, matrix, range",
+                      key);
 }
 
 static sheen_status parse_query(sheen_v4l2_options *o, const char *query, sheen_err *err)

@@ -23,7 +23,8 @@ typedef struct sheen_v4l2_options {
     int mains_hz;      // 50, 60; 0: lamps that do not flicker
     bool set_transfer; // take `transfer` for true, whatever the camera claims
     sheen_transfer transfer;
-    uint32_t ycbcr_enc, quantization; // in V4L2's numbers, whatever the camera claims; 0: as it claims
+    uint32_t colorspace, ycbcr_enc,
+        quantization; // in V4L2's numbers, whatever the camera claims; 0: as it claims
 } sheen_v4l2_options;
 
 // "/dev/video0?format=MJPG&size=1280x720&rate=30&exposure_ms=20&mains=60&lock=off&transfer=srgb&matrix=601&range=full".

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "capture/import.h"
+#include "cli/camera_memory.h"
 #include "cli/choose.h"
 #include "cli/hook.h"
 #include "cli/shutter.h"
@@ -156,6 +157,19 @@ sheen_status sheen_cli_capture_record(sheen_cli *cli, sheen_cli_capture *a, shee
     return st;
 }
 
+// A new session's camera is set as in the one that it is like: what was measured belongs to these settings.
+static sheen_status follow_like(sheen_cli *cli, const sheen_cli_capture *a, sheen_source *src, sheen_err *err)
+{
+    sheen_session other;
+    bool followed;
+    sheen_status st = sheen_session_open(&other, a->like, err);
+    if (st)
+        return st;
+    st = sheen_cli_follow(cli, &other, src, false, &followed, err);
+    sheen_session_release(&other);
+    return st;
+}
+
 // The camera is measured instead where that was asked for; else the session goes on under the settings that it was begun
 // with.
 static sheen_status use_camera(sheen_cli *cli, sheen_cli_capture *a, sheen_session *s, sheen_source *src,
@@ -169,7 +183,9 @@ static sheen_status use_camera(sheen_cli *cli, sheen_cli_capture *a, sheen_sessi
         a->measure.bracket = a->o.bracket;
         return sheen_cli_measure_camera(cli, &a->measure, s, src, &a->o, err);
     }
-    const sheen_status st = sheen_cli_follow(cli, s, src, false, &followed, err);
+    sheen_status st = sheen_cli_follow(cli, s, src, false, &followed, err);
+    if (!st && !followed && a->like)
+        st = follow_like(cli, a, src, err);
     if (st)
         return st;
     return a->turntable ? sheen_cli_capture_turns(cli, a, s, src, r, err)
@@ -200,6 +216,8 @@ static sheen_status take_over(sheen_session *s, const char *like, sheen_err *err
     const sheen_import_options o = {.camera = found[0], .board = found[1], .mesh = found[2]};
     if (!st && (found[0] || found[1] || found[2]))
         st = sheen_import(s, &o, &r, err);
+    if (!st)
+        st = sheen_radiometry_copy(s, &other, err);
     sheen_session_release(&other);
     return st;
 }
@@ -209,7 +227,12 @@ sheen_status sheen_cli_capture_session(sheen_cli *cli, sheen_cli_capture *a, con
     sheen_source *src = NULL;
     sheen_cli_session s = {0};
     sheen_record_report r = {0};
-    sheen_status st = sheen_source_open(&src, a->device, err);
+    char uri[SHEEN_PATH_MAX], noted[240];
+    sheen_status st = sheen_cli_camera_uri(uri, noted, a->device, a->remember, err);
+    if (!st && noted[0])
+        sheen_cli_say(cli, "%s", noted);
+    if (!st)
+        st = sheen_source_open(&src, uri, err);
     if (!st)
         st = sheen_cli_session_create(&s, path, a->moved, err);
     if (!st)

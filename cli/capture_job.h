@@ -19,6 +19,7 @@ typedef struct sheen_cli_capture {
     int n_steps, n_rounds;
     bool choose; // --auto
     sheen_cli_measure measure;
+    bool remember; // --remember
     bool then_run; // --then run
     double spread_deg, max_blur_px, max_motion_px;
     sheen_record_options o;

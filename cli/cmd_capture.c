@@ -67,10 +67,9 @@ static sheen_status parse(sheen_cli *cli, sheen_cli_capture *a, sheen_err *err)
     words w = {0};
     const sheen_option options[] = {
         {"device", 0, SHEEN_OPTION_TEXT, &a->device, "URI",
-         "where frames come from: v4l2:/dev/videoN is a camera\n(options: "
-         "v4l2:/dev/video0?format=MJPG&size=1280x720"
-         "&rate=30\n&exposure_ms=20&mains=60&lock=off), replay:SESSION plays\na recorded session, "
-         "replay:SESSION?role=test its frames of\none role",
+         "where frames come from: a camera, v4l2:/dev/video0 (options:\n?format=MJPG&size=1280x720&rate=30"
+         "&exposure_ms=20&mains=60\n&lock=off) or libcamera:0; replay:SESSION plays a recorded\n"
+         "session, replay:SESSION?role=test its frames of one role",
          0, 0},
         {"count", 0, SHEEN_OPTION_INT, &w.count, "N",
          "stop after N frames (default: when the recording ends; of a\ncamera one is taken for each Enter or "
@@ -88,10 +87,12 @@ static sheen_status parse(sheen_cli *cli, sheen_cli_capture *a, sheen_err *err)
         {"max-blur", 0, SHEEN_OPTION_NUMBER, &a->max_blur_px, "PX",
          "--auto: how wide edges of tags may be, from 10 to 90 % of\ntheir step (default 3)", 0.5, 100},
         {"bracket", 0, SHEEN_OPTION_INT, &a->o.bracket, "N",
-         "of a camera that stands still: put each frame together from\nN exposures, each four times as long "
-         "as the "
-         "one before",
+         "of a camera that stands still: each frame from N exposures,\neach four times as long as the one "
+         "before",
          2, SHEEN_BRACKET_MAX},
+        {"remember", 0, SHEEN_OPTION_FLAG, &a->remember, NULL,
+         "remember colorspace=, transfer=, matrix= and range= of URI\nwith this camera (none: forget them)",
+         0, 0},
         {"dark", 0, SHEEN_OPTION_FLAG, &a->measure.dark, NULL,
          "measure the camera instead: the lens is covered (with\n--bracket N: for each of its exposures)", 0,
          0},
@@ -118,7 +119,9 @@ static sheen_status parse(sheen_cli *cli, sheen_cli_capture *a, sheen_err *err)
          "(CSV) with a column\nname, and code and mesh where wanted (docs/turntable.md)",
          0, 0},
         {"like", 0, SHEEN_OPTION_TEXT, &a->like, "OTHER",
-         "take the session's camera model, board and mesh, where it\nhas none, from this one", 0, 0},
+         "take camera model, what was measured of the camera, its\nsettings, board and mesh from that "
+         "session",
+         0, 0},
         {"then", 0, SHEEN_OPTION_TEXT, &w.then, "run",
          "after it the model, as 'sheen run' makes it; of a batch,\nof all objects that are complete", 0, 0},
         {"role", 0, SHEEN_OPTION_TEXT, &w.role, "ROLE",
@@ -127,12 +130,6 @@ static sheen_status parse(sheen_cli *cli, sheen_cli_capture *a, sheen_err *err)
          "of a new session: what moves between the frames,\ncamera (default) or object", 0, 0},
         {0},
     };
-    a->o.patience_s = 300;
-    a->spread_deg = 15;
-    a->max_motion_px = 0.5;
-    a->max_blur_px = 3;
-    a->n_steps = 24;
-    a->n_rounds = 1;
     sheen_status s = sheen_cli_parse(cli, options, 1, 1, err);
     if (s || cli->wants_help)
         return s;
@@ -141,7 +138,12 @@ static sheen_status parse(sheen_cli *cli, sheen_cli_capture *a, sheen_err *err)
 
 static sheen_status run(sheen_cli *cli, sheen_err *err)
 {
-    sheen_cli_capture a = {0};
+    sheen_cli_capture a = {.n_steps = 24,
+                           .n_rounds = 1,
+                           .spread_deg = 15,
+                           .max_motion_px = 0.5,
+                           .max_blur_px = 3,
+                           .o.patience_s = 300};
     sheen_status st = parse(cli, &a, err);
     if (st || cli->wants_help)
         return st;

@@ -3,20 +3,17 @@
 #include "cli/table_arg.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 
+#include "cli/config_path.h"
 #include "cli/keys.h"
 
 sheen_status sheen_cli_table_path(char path[SHEEN_PATH_MAX], const char *given, sheen_err *err)
 {
-    const char *config = getenv("XDG_CONFIG_HOME"), *home = getenv("HOME");
     if (given)
         return snprintf(path, SHEEN_PATH_MAX, "%s", given) < SHEEN_PATH_MAX
                    ? SHEEN_OK
                    : sheen_fail(err, SHEEN_EARG, "the path '%.60s...' is too long", given);
-    if (config && *config)
-        return sheen_path_join(path, config, "sheen/turntable.json", err);
-    return sheen_path_join(path, home && *home ? home : ".", ".config/sheen/turntable.json", err);
+    return sheen_cli_config_path(path, "turntable.json", err);
 }
 
 static bool go_on(void *self)

@@ -158,6 +158,33 @@ static void a_camera_that_does_not_obey_is_given_up(void **state)
     assert_fails(s, err, SHEEN_EDATA, "exposure_ms");
 }
 
+// Plugged in again: the same settings are asked for at once, and a frame counts only if it is as those before.
+static void a_stream_that_begins_anew_has_the_same_lock(void **state)
+{
+    (void)state;
+    static const sheen_libcamera_abilities all = {true, true, true};
+    sheen_libcamera_lock lock = {.mains_hz = 50};
+    sheen_err err;
+    bool keep = false;
+    assert_ok(sheen_libcamera_lock_begin(&lock, &all, "cam", &err), err);
+    for (int i = 0; i < 15; i++)
+        assert_ok(sheen_libcamera_lock_frame(&keep, &lock, &found, "cam", &err), err);
+    sheen_frame_pipeline locked = lock.want;
+    locked.exposure_us += 10; // what the sensor makes of it
+    assert_ok(sheen_libcamera_lock_frame(&keep, &lock, &locked, "cam", &err), err);
+    assert_true(keep);
+    const sheen_frame_pipeline want = lock.want;
+    assert_ok(sheen_libcamera_lock_begin(&lock, &all, "cam", &err), err);
+    assert_int_equal(lock.phase, SHEEN_LIBCAMERA_SETTLE);
+    assert_close(lock.want.exposure_us, want.exposure_us, 0);
+    sheen_frame_pipeline other = locked;
+    other.exposure_us += 40; // near the wish, but not what it was before
+    assert_ok(sheen_libcamera_lock_frame(&keep, &lock, &other, "cam", &err), err);
+    assert_false(keep);
+    assert_ok(sheen_libcamera_lock_frame(&keep, &lock, &locked, "cam", &err), err);
+    assert_true(keep);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -166,6 +193,7 @@ int main(void)
         cmocka_unit_test(a_mosaic_has_no_white_balance),
         cmocka_unit_test(what_cannot_be_proven_is_refused),
         cmocka_unit_test(a_camera_that_does_not_obey_is_given_up),
+        cmocka_unit_test(a_stream_that_begins_anew_has_the_same_lock),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -116,6 +116,15 @@ static void dark_and_flat_give_the_light_back(void **state)
         assert_close(light_at(&t, 0, x, 12), 0.5, 0.005);
     assert_ok(sheen_radiometry_digest(after, &t.session, &err), err);
     assert_true(strcmp(before, after) != 0);
+    // Another session takes them over.
+    sheen_session other;
+    char dir[TEST_PATH_MAX];
+    test_scratch_file(dir, *state, "other");
+    assert_ok(sheen_session_create(&other, dir, SHEEN_MOVING_CAMERA, &err), err);
+    assert_ok(sheen_radiometry_copy(&other, &t.session, &err), err);
+    assert_ok(sheen_radiometry_digest(before, &other, &err), err);
+    assert_string_equal(before, after);
+    sheen_session_release(&other);
     // Measured again they replace one another.
     t.camera.faults.covered = true;
     assert_ok(measure(&t, "", SHEEN_MEASURE_DARK, &r, &err), err);

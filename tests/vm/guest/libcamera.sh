@@ -15,7 +15,7 @@ check "with times that rise" sh -c "sed -n 's/.*\"t_ns\": *\([0-9]*\).*/\1/p' go
 check "a size that it has not is refused" fails_with 'does not offer' size.session 'libcamera:0?lock=off&size=64x64' 1
 check "a camera that is not there" fails_with 'libcamera knows 1 camera' none.session 'libcamera:7' 1
 
-sheen capture pulled.session --device 'libcamera:0?lock=off' --count 400 >/dev/null 2>err &
+sheen capture pulled.session --device 'libcamera:0?lock=off' --count 400 --patience 4 >/dev/null 2>err &
 capture=$!
 check "it streams" wait_for 20 test -f pulled.session/frames/000003.json
 rm /tmp/share/plugged
@@ -29,3 +29,15 @@ udevadm settle -t 10
 before=$(frames_in pulled.session)
 check "the session goes on" captures pulled.session 'libcamera:0?lock=off' 3
 check "with three more" test "$(frames_in pulled.session)" = $((before + 3))
+
+# the same, but the capture waits for it
+sheen capture waits.session --device 'libcamera:0?lock=off' --count 60 --patience 60 >out 2>err &
+capture=$!
+check "it streams again" wait_for 20 test -f waits.session/frames/000003.json
+rm /tmp/share/plugged
+check "unplugged: the person is asked" wait_for 30 grep -q 'plug it in again' err
+touch /tmp/share/plugged
+wait $capture
+check "plugged in again, the capture goes on by itself" test $? = 0
+check "and says so" grep -q 'the camera is there again' err
+check "with all its frames" test "$(frames_in waits.session)" = 60
