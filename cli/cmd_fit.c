@@ -48,7 +48,7 @@ static sheen_status parse(sheen_cli *cli, fit_args *a, sheen_err *err)
          "refined: take exposure and white balance as equal in all\nphotographs (default: measured)", 0, 0},
         {"without", 0, SHEEN_OPTION_TEXT, &a->without, "NAME,...",
          "refined: leave these out: lamps, shadows, board, ambient,\nfresnel, tail, regions, poses, "
-         "exposures",
+         "exposures, normals",
          0, 0},
         {"threads", 0, SHEEN_OPTION_INT, &a->o.n_threads, "N", "default: one a processor", 1, 1024},
         {0},

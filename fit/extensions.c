@@ -4,8 +4,8 @@
 
 #include <string.h>
 
-static const char *const names[SHEEN_EXTENSION_COUNT] = {"lamps", "shadows", "board", "ambient",  "fresnel",
-                                                         "tail",  "regions", "poses", "exposures"};
+static const char *const names[SHEEN_EXTENSION_COUNT] = {"lamps", "shadows", "board", "ambient",   "fresnel",
+                                                         "tail",  "regions", "poses", "exposures", "normals"};
 
 const char *sheen_extension_name(sheen_extension e)
 {
@@ -32,7 +32,7 @@ sheen_status sheen_extensions_parse(sheen_extensions *out, const char *text, she
             return sheen_fail(
                 err, SHEEN_EARG,
                 "unknown extension '%.*s': there are lamps, shadows, board, ambient, fresnel, tail, "
-                "regions, poses, exposures, and align for the last two",
+                "regions, poses, exposures, normals, and align for poses and exposures",
                 (int)(length < 40 ? length : 40), at);
         *out |= bits;
         at += length + (at[length] == ',');

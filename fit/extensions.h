@@ -17,6 +17,7 @@ typedef enum sheen_extension {
     SHEEN_EXTENSION_REGIONS,   // k_S by colour of texture
     SHEEN_EXTENSION_POSES,     // poses made to agree on the surface
     SHEEN_EXTENSION_EXPOSURES, // so exposures and white balance
+    SHEEN_EXTENSION_NORMALS,   // finer than the mesh's
     SHEEN_EXTENSION_COUNT
 } sheen_extension;
 

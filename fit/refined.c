@@ -8,6 +8,7 @@
 #include "fit/board_picture.h"
 #include "fit/diffuse.h"
 #include "fit/fill_holes.h"
+#include "fit/normals.h"
 #include "fit/refined_state.h"
 
 // An extension stays where what it predicts is wrong by this share at most of what is without it.
@@ -52,6 +53,21 @@ static sheen_status estimate_lights(sheen_refined_state *r, sheen_err *err)
     return has(r, SHEEN_EXTENSION_LAMPS) ? sheen_refined_lamps(r, err) : sheen_refined_nodes(r, 0.7f, err);
 }
 
+// And the texture under the highlights that they move.
+static sheen_status bend_normals(sheen_refined_state *r, sheen_err *err)
+{
+    sheen_model *m = &r->f->model;
+    int changed;
+    sheen_status s = sheen_refined_normals(r, &changed, err);
+    if (s || !changed)
+        return s;
+    r->keep_mirrored = 0;
+    if ((s = sheen_refined_light_views(r, err)))
+        return s;
+    sheen_diffuse_fit(&m->texture, &m->surroundings, r->views, r->lights, r->f->n_views, r->o.n_threads);
+    return SHEEN_OK;
+}
+
 static sheen_status improve(sheen_refined_state *r, sheen_err *err)
 {
     sheen_model *m = &r->f->model;
@@ -80,6 +96,9 @@ static sheen_status improve(sheen_refined_state *r, sheen_err *err)
             fit_surroundings(r);
         sheen_diffuse_fit(&m->texture, &m->surroundings, r->views, r->lights, r->f->n_views, r->o.n_threads);
         sheen_progress_timed(&r->o.progress, "texture and surroundings", &watch);
+        if (r->round > 0 && has(r, SHEEN_EXTENSION_NORMALS) && (s = bend_normals(r, err)))
+            return s;
+        sheen_progress_timed(&r->o.progress, "normals", &watch);
     }
     return sheen_fill_holes(&m->texture, r->mesh, err);
 }

@@ -25,6 +25,8 @@ typedef struct sheen_refined_state {
     sheen_shading *shading;     // [n_views]
     sheen_lamp_list lamps;      // those of the model, with their lobe
     sheen_samples node_samples; // while lights are estimated as nodes
+    double normal_change_rad;   // between neighbouring texels of the normal map; 0: there is none
+    int normals_chosen;         // 1: that has been decided
     int round;                  // 0, 1, ...
     int keep_mirrored;          // 1: mirror images are good as they are
 } sheen_refined_state;

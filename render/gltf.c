@@ -293,11 +293,16 @@ sheen_status sheen_gltf_make(sheen_gltf *out, const sheen_model *model, const sh
                              sheen_err *err)
 {
     sheen_surface_picture p;
+    sheen_model plain;
+    float *n_obj;
     *out = (sheen_gltf){.f0 = dielectric};
     const double tail = model->n_lamps ? model->lobe_tail : 0;
     out->roughness = sqrt(
         fmin(1, (ggx_per_sigma + tail * (ggx_per_sigma_of_tail - ggx_per_sigma)) * model->sigma_rad));
-    sheen_status s = sheen_surface_picture_make(&p, model, o->max_triangles, o->max_side_px, err);
+    sheen_status s = sheen_model_with_vertex_normals(&plain, &n_obj, model, err);
+    if (!s)
+        s = sheen_surface_picture_make(&p, &plain, o->max_triangles, o->max_side_px, err);
+    free(n_obj);
     if (s)
         return s;
     out->n_triangles = p.mesh.n_triangles;

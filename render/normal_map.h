@@ -34,6 +34,9 @@ void sheen_normal_map_lattice(const sheen_mesh *mesh, const sheen_texture *norma
 void sheen_normal_map_surface(const sheen_mesh *mesh, const sheen_texture *normals, const sheen_hit *hit,
                               const double p_camera_obj[3], float p_obj[3], float n_obj[3], float v_obj[3]);
 
+// The mesh's vertex normals bent by the means of the offsets about them: what a format without a map can show. n_obj: [n_vertices][3], caller's.
+void sheen_normal_map_vertices(float *n_obj, const sheen_mesh *mesh, const sheen_texture *normals);
+
 // To and from the two numbers a texel has in a file: rgb = (d.a, d.b, 0), n_views as it is. In place.
 void sheen_normal_map_to_tangents(sheen_texture *normals, const sheen_mesh *mesh);
 void sheen_normal_map_from_tangents(sheen_texture *normals, const sheen_mesh *mesh);

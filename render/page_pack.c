@@ -314,12 +314,17 @@ static sheen_status check(const sheen_model *m, const sheen_page_view *view, she
 sheen_status sheen_page_pack(sheen_page *out, const sheen_model *model, const sheen_page_view *view,
                              const sheen_page_options *options, sheen_err *err)
 {
+    sheen_model plain;
+    float *n_obj = NULL;
     *out = (sheen_page){0};
     sheen_status s = check(model, view, err);
     if (!s)
         s = sheen_model_check(model, SHEEN_EARG, err);
     if (!s)
-        s = pack_geometry(out, model, view, err);
+        s = sheen_model_with_vertex_normals(&plain, &n_obj, model, err);
+    if (!s)
+        s = pack_geometry(out, &plain, view, err);
+    free(n_obj);
     if (!s)
         s = pack_texture(out, &model->texture, options, err);
     if (!s)

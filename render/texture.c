@@ -95,6 +95,23 @@ static inline void cell_at(const sheen_texture *t, const sheen_hit *hit, size_t 
     }
 }
 
+void sheen_texture_cell(size_t texel[3], float weight[3], const sheen_texture *t, const sheen_hit *hit)
+{
+    cell_at(t, hit, texel, weight);
+}
+
+sheen_hit sheen_texel_hit(int texels_per_edge, size_t texel)
+{
+    const size_t per_triangle = sheen_texels_per_triangle(texels_per_edge), k = texel % per_triangle;
+    const float last = (float)(texels_per_edge - 1);
+    int j = 0;
+    while (j < texels_per_edge - 1 && k >= sheen_texel_index(texels_per_edge, 0, j + 1))
+        j++;
+    return (sheen_hit){.triangle = (uint32_t)(texel / per_triangle),
+                       .b1 = (float)(k - sheen_texel_index(texels_per_edge, 0, j)) / last,
+                       .b2 = (float)j / last};
+}
+
 // Mean of three texels, those that were never seen left out.
 static float mean_of_seen(const sheen_texture *t, const size_t texel[3], const float weight[3], float rgb[3])
 {

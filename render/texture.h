@@ -49,6 +49,12 @@ void sheen_texture_release(sheen_texture *t);
 void sheen_texture_lattice(const sheen_mesh *mesh, size_t triangle, int texels_per_edge, float *p_obj,
                            float *n_obj);
 
+// The place of texel number `texel` of a texture (triangle and b1, b2; the rest is 0).
+sheen_hit sheen_texel_hit(int texels_per_edge, size_t texel);
+
+// The three texels round a hit and their weights, which add up to 1. Of t only the lattice is asked.
+void sheen_texture_cell(size_t texel[3], float weight[3], const sheen_texture *t, const sheen_hit *hit);
+
 // Linear interpolation on the lattice at a hit; never-seen texels have no part in it. Returns the weight of
 // the seen ones, 0..1; 0: a hole, rgb is what it was filled with (black where it was not).
 float sheen_texture_sample(const sheen_texture *t, const sheen_hit *hit, float rgb[3]);

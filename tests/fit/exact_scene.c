@@ -20,8 +20,8 @@ enum { IRRADIANCE_EDGE = 6 };
 static const double pi = 3.14159265358979323846;
 
 const char *const exact_scene_names[] = {
-    "far",     "near",      "sphere", "sigma-.0114", "sigma-.1", "noise", "discs",      "coloured", "ggx",
-    "k_s-map", "saturated", "pose",   "pose-1.5",    "normals",  "drift", "everything", NULL};
+    "far",     "near",      "sphere", "sigma-.0114", "sigma-.1", "noise",    "discs", "coloured",   "ggx",
+    "k_s-map", "saturated", "pose",   "pose-1.5",    "normals",  "embossed", "drift", "everything", NULL};
 
 static int is(const char *name, const char *scene)
 {
@@ -43,9 +43,9 @@ int exact_scene_options(exact_options *out, const char *name, uint64_t seed)
                                                          : 0,
                            .coloured = is(name, "coloured") || all,
                            .k_s_map = is(name, "k_s-map") || all,
-                           .sigma_rad = is(name, "sigma-.0114") ? 0.0114
-                                        : is(name, "sigma-.1")  ? 0.1
-                                                                : 0.03,
+                           .sigma_rad = is(name, "sigma-.0114")                        ? 0.0114
+                                        : is(name, "sigma-.1") || is(name, "embossed") ? 0.1
+                                                                                       : 0.03,
                            .ggx_alpha = is(name, "ggx") || all ? 0.06 : 0,
                            .brightness = is(name, "saturated") ? 2.5 : 1,
                            .noise = is(name, "noise") ? 0.02 : 0.005,
@@ -53,6 +53,7 @@ int exact_scene_options(exact_options *out, const char *name, uint64_t seed)
                            .pose_px = is(name, "pose") || all ? 0.75
                                       : is(name, "pose-1.5")  ? 1.5
                                                               : 0,
+                           .relief_deg = is(name, "embossed") ? 6 : 0,
                            .normals_deg = is(name, "normals") ? 1
                                           : all               ? 0.5
                                                               : 0,
@@ -130,6 +131,31 @@ typedef struct stage {
     sheen_image *diffuse, *specular;
 } stage;
 
+// The slope of a relief of waves 3 to 6 mm long, on the true surface.
+static void emboss(float n[3], const exact_scene *s, const float p[3])
+{
+    enum { WAVES = 8 };
+    uint64_t seed = 77 + s->o.seed;
+    if (!(s->o.relief_deg > 0))
+        return;
+    float slope[3] = {0, 0, 0};
+    for (int k = 0; k < WAVES; k++) {
+        float wave[3];
+        test_direction(wave, &seed);
+        const float phase = (float)(2 * pi * test_random(&seed)),
+                    length_m = (float)(0.003 + 0.003 * test_random(&seed));
+        const float at = cosf((float)(2 * pi) / length_m * sheen_dotf(wave, p) + phase);
+        for (int c = 0; c < 3; c++)
+            slope[c] += at * wave[c];
+    }
+    // A wave's slope across the normal is 2/3 of its square, its mean square half of it
+    const float scale = (float)(s->o.relief_deg * pi / 180 / sqrt(WAVES / 3.0));
+    const float along = sheen_dotf(slope, n);
+    for (int c = 0; c < 3; c++)
+        n[c] -= scale * (slope[c] - along * n[c]);
+    sheen_normalizef(n);
+}
+
 // Bit i: something stands between the point and the middle of light i.
 static void find_hidden(int hidden[EXACT_LIGHTS], const stage *st, const float p[3], const float n[3])
 {
@@ -177,6 +203,7 @@ static void shade_hit(double diffuse[3], double specular[3], const stage *st, co
     float p[3], n[3], v[3], E[3];
     int hidden[EXACT_LIGHTS];
     sheen_hit_surface(st->mesh, hit, st->g->p_camera_obj, p, n, v);
+    emboss(n, st->s, p);
     sheen_texture_sample(&st->irradiance, hit, E);
     const int colour = exact_colour(st->s, p);
     const double pd[3] = {(double)p[0], (double)p[1], (double)p[2]},

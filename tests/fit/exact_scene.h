@@ -16,20 +16,21 @@ enum { EXACT_LIGHTS = 6, EXACT_CELLS = 160, EXACT_COLOURS = 9 };
 typedef struct exact_options {
     const char *name;
     uint64_t seed;
-    int sphere;               // else the figure
-    int is_near;              // lights 0.55 to 1 m away instead of at infinity
-    double disc_deg;          // radius of each light as seen from the object; 0: points
-    int coloured, k_s_map;    // k_s_map: 1, 0.5 or 0.2 by colour of paint
-    double sigma_rad;         // of eq. (7)
-    double ggx_alpha;         // > 0: GGX of this roughness with F0 = 0.04 instead of eq. (7)
-    double brightness;        // times the lights' strength; 0: 1. 2.5 clips highlights
-    double noise;             // standard deviation, linear
-    int eight_bit;            // sRGB, which also clips at 1
-    double pose_px;           // rms image error of the poses handed out
-    double normals_deg;       // rms error of the mesh's normals handed out, varying smoothly
-    double drift_ev;          // exposures differ by up to this, either way
-    double white_balance;     // red and blue gains differ by up to this share, either way
-    double size;              // of the pictures: 1 is 1280 x 960; 0: 1
+    int sphere;            // else the figure
+    int is_near;           // lights 0.55 to 1 m away instead of at infinity
+    double disc_deg;       // radius of each light as seen from the object; 0: points
+    int coloured, k_s_map; // k_s_map: 1, 0.5 or 0.2 by colour of paint
+    double sigma_rad;      // of eq. (7)
+    double ggx_alpha;      // > 0: GGX of this roughness with F0 = 0.04 instead of eq. (7)
+    double brightness;     // times the lights' strength; 0: 1. 2.5 clips highlights
+    double noise;          // standard deviation, linear
+    int eight_bit;         // sRGB, which also clips at 1
+    double pose_px;        // rms image error of the poses handed out
+    double normals_deg;    // rms error of the mesh's normals handed out, varying smoothly
+    double relief_deg;     // rms slope of a relief that is in the true normals and not in the mesh handed out
+    double drift_ev;       // exposures differ by up to this, either way
+    double white_balance;  // red and blue gains differ by up to this share, either way
+    double size;           // of the pictures: 1 is 1280 x 960; 0: 1
     size_t n_inputs, n_tests; // 0: 8 and 4
 } exact_options;
 
