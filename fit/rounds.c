@@ -157,7 +157,7 @@ static void camera_by_angle(double rt_zero_cam[6], const axis *x, const sheen_ro
 static sheen_status mean_camera(double rt_zero_cam[6], double *off_rad, const axis *x,
                                 const sheen_round_frame *frames, size_t n, int round, sheen_err *err)
 {
-    double first[6], back[6], mean[6] = {0}, here[6], off[6];
+    double first[6] = {0}, back[6] = {0}, mean[6] = {0}, here[6], off[6];
     int count = 0;
     for (size_t i = 0; i < n; i++) {
         if (frames[i].round != round)

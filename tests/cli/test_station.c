@@ -183,21 +183,19 @@ static void a_model_that_fails_is_no_fault_of_the_capture(void **state)
     fake_grbl_stop(&st.board);
 }
 
-static void keys_pause_and_end_and_stop(void **state)
+static void keys_pause_and_end(void **state)
 {
     station st;
-    double before_deg, after_deg;
     bool moving = true;
     build(&st, *state);
     start(&st, "keys --hook 'echo at $ACTION'");
     assert_says(&st, "at download");
     press(&st, "p");
     assert_says(&st, "paused");
-    before_deg = fake_grbl_table_deg(&st.board, &moving);
+    const double before_deg = fake_grbl_table_deg(&st.board, &moving);
     assert_false(moving);
     poll(NULL, 0, 500);
-    after_deg = fake_grbl_table_deg(&st.board, &moving);
-    assert_close(before_deg, after_deg, 1e-9);
+    assert_close(before_deg, fake_grbl_table_deg(&st.board, NULL), 1e-9);
     press(&st, "p");
     assert_says(&st, "it goes on");
     press(&st, "q");
@@ -205,25 +203,27 @@ static void keys_pause_and_end_and_stop(void **state)
     const size_t n = frames_in(&st, "keys");
     assert_true(n > 0 && n < 4);
     assert_non_null(strstr(st.said, "the same command goes on from there"));
+    fake_grbl_stop(&st.board);
+}
 
-    st.board.speed_factor = 0.2; // 4 degrees a second: caught in the middle of its move
-    start(&st, "slow");
-    assert_says(&st, "stops the turntable at once");
-    while (fake_grbl_table_deg(&st.board, &moving), !moving)
-        poll(NULL, 0, 20);
-    press(&st, "s");
-    assert_int_equal(end(&st), 1);
-    before_deg = fake_grbl_table_deg(&st.board, &moving);
-    assert_false(moving);
-
-    start(&st, "slow2");
-    assert_says(&st, "stops the turntable at once");
-    while (fake_grbl_table_deg(&st.board, &moving), !moving)
-        poll(NULL, 0, 20);
-    press(&st, "\x03"); // Ctrl-C
-    assert_int_equal(end(&st), 1);
-    fake_grbl_table_deg(&st.board, &moving);
-    assert_false(moving);
+// In the middle of a move, by the key and by Ctrl-C.
+static void it_stops_at_once(void **state)
+{
+    static const char *const keys[] = {"s", "\x03"};
+    station st;
+    build(&st, *state);
+    st.board.speed_factor = 0.2; // 4 degrees a second
+    for (int i = 0; i < 2; i++) {
+        bool moving = false;
+        start(&st, i ? "slow2" : "slow");
+        assert_says(&st, "stops the turntable at once");
+        while (fake_grbl_table_deg(&st.board, &moving), !moving)
+            poll(NULL, 0, 20);
+        press(&st, keys[i]);
+        assert_int_equal(end(&st), 1);
+        fake_grbl_table_deg(&st.board, &moving);
+        assert_false(moving);
+    }
     fake_grbl_stop(&st.board);
 }
 
@@ -236,8 +236,8 @@ int main(void)
                                         test_scratch_teardown),
         cmocka_unit_test_setup_teardown(a_model_that_fails_is_no_fault_of_the_capture, test_scratch_setup,
                                         test_scratch_teardown),
-        cmocka_unit_test_setup_teardown(keys_pause_and_end_and_stop, test_scratch_setup,
-                                        test_scratch_teardown),
+        cmocka_unit_test_setup_teardown(keys_pause_and_end, test_scratch_setup, test_scratch_teardown),
+        cmocka_unit_test_setup_teardown(it_stops_at_once, test_scratch_setup, test_scratch_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
