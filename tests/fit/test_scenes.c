@@ -4,6 +4,9 @@
 #include "support.h"
 #include "tests/fit/exact_score.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 static void fit(exact_score *out, const char *scene, uint64_t seed, sheen_fit_method method)
 {
     exact_options o;
@@ -36,10 +39,48 @@ static void the_paper_on_its_own_ground(void **state)
     }
 }
 
+// Texture, lamps, gloss and surroundings of a fit with one thread and with three: the same to the bit.
+static void threads_do_not_change_the_answer(void **state)
+{
+    (void)state;
+    exact_options o;
+    exact_scene s;
+    sheen_paper_fit f[2];
+    sheen_err err;
+    assert_true(exact_scene_options(&o, "everything", 3));
+    o.size = 0.2;
+    exact_scene_make(&s, &o);
+    sheen_photo *given = malloc(s.inputs.count * sizeof *given);
+    assert_non_null(given);
+    memcpy(given, s.inputs.photos, s.inputs.count * sizeof *given);
+    for (int i = 0; i < 2; i++) {
+        const sheen_paper_options fo = {.n_threads = i ? 3 : 1};
+        memcpy(s.inputs.photos, given, s.inputs.count * sizeof *given); // the fit corrects poses
+        assert_ok(
+            sheen_fit_make(&f[i], SHEEN_FIT_REFINED, SHEEN_MOVING_CAMERA, &s.mesh, &s.inputs, &fo, &err),
+            err);
+    }
+    const sheen_model *a = &f[0].model, *b = &f[1].model;
+    const size_t n = a->texture.n_triangles * sheen_texels_per_triangle(a->texture.texels_per_edge);
+    assert_int_equal(a->n_lamps, b->n_lamps);
+    assert_true(a->n_lamps > 0);
+    assert_memory_equal(a->lamps, b->lamps, a->n_lamps * sizeof *a->lamps);
+    assert_memory_equal(&a->gloss, &b->gloss, sizeof a->gloss);
+    assert_memory_equal(a->texture.rgb, b->texture.rgb, 3 * n * sizeof *a->texture.rgb);
+    assert_close(a->sigma_rad, b->sigma_rad, 0);
+    assert_close(a->lobe_tail, b->lobe_tail, 0);
+    assert_close(a->surroundings.f0, b->surroundings.f0, 0);
+    for (int i = 0; i < 2; i++)
+        sheen_paper_fit_release(&f[i]);
+    free(given);
+    exact_scene_release(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_paper_on_its_own_ground),
+        cmocka_unit_test(threads_do_not_change_the_answer),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
