@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// image_codec.h - what the four image formats share among themselves: size checks, and probing by format.
+// image_codec.h - what the image formats share among themselves: size checks, and probing by format.
 //
 // Only image_*.c include this; everyone else wants image_file.h.
 #ifndef SHEEN_BASE_IMAGE_CODEC_H
@@ -33,6 +33,8 @@ sheen_status sheen_jpeg_probe(int *width_px, int *height_px, const void *data, s
 sheen_status sheen_tiff_probe(int *width_px, int *height_px, const void *data, size_t size_bytes,
                               sheen_err *err);
 sheen_status sheen_exr_probe(int *width_px, int *height_px, const void *data, size_t size_bytes,
+                             sheen_err *err);
+sheen_status sheen_hdr_probe(int *width_px, int *height_px, const void *data, size_t size_bytes,
                              sheen_err *err);
 
 // One row of 16-bit samples in big-endian order, as PNG wants it, is the swap of a little-endian machine's.

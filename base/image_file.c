@@ -25,6 +25,8 @@ static const codec codecs[] = {
     {"II+\0", 4, sheen_tiff_parse, sheen_tiff_probe}, // BigTIFF
     {"MM\0+", 4, sheen_tiff_parse, sheen_tiff_probe},
     {"\x76\x2f\x31\x01", 4, sheen_exr_parse, sheen_exr_probe},
+    {"#?RADIANCE", 10, sheen_hdr_parse, sheen_hdr_probe},
+    {"#?RGBE", 6, sheen_hdr_parse, sheen_hdr_probe},
 };
 
 // NULL: none of the formats.
@@ -41,7 +43,7 @@ static sheen_status fail_unknown(size_t size_bytes, sheen_err *err)
     if (!size_bytes)
         return sheen_fail(err, SHEEN_EFORMAT, "the file is empty");
     return sheen_fail(err, SHEEN_EFORMAT,
-                      "not a picture that is read here: neither PNG, JPEG, TIFF nor OpenEXR");
+                      "not a picture that is read here: neither PNG, JPEG, TIFF, OpenEXR nor Radiance");
 }
 
 sheen_status sheen_raster_parse(sheen_raster *out, const void *data, size_t size_bytes, sheen_err *err)

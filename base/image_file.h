@@ -27,6 +27,8 @@ sheen_status sheen_png_parse(sheen_raster *out, const void *data, size_t size_by
 sheen_status sheen_jpeg_parse(sheen_raster *out, const void *data, size_t size_bytes, sheen_err *err);
 sheen_status sheen_tiff_parse(sheen_raster *out, const void *data, size_t size_bytes, sheen_err *err);
 sheen_status sheen_exr_parse(sheen_raster *out, const void *data, size_t size_bytes, sheen_err *err);
+// Radiance (.hdr, RGBE): divided by the exposures that its header names.
+sheen_status sheen_hdr_parse(sheen_raster *out, const void *data, size_t size_bytes, sheen_err *err);
 
 // Writers replace the file in one step (file.h).
 // 8- or 16-bit raster of 1 to 4 channels, as it is (no conversion).

@@ -450,7 +450,7 @@ static void says_what_is_wrong(void **state)
          "luminance-chroma OpenEXR is not supported: save it as RGB"},
         {"exr/display-window-huge.exr", SHEEN_EFORMAT, NULL},
         {"obj/tetrahedron.obj", SHEEN_EFORMAT,
-         "not a picture that is read here: neither PNG, JPEG, TIFF nor OpenEXR"},
+         "not a picture that is read here: neither PNG, JPEG, TIFF, OpenEXR nor Radiance"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char path[TEST_PATH_MAX], want[700];
