@@ -152,6 +152,10 @@ static sheen_status parse(sheen_cli *cli, render_args *a, sheen_err *err)
          "of an object on a turntable: still, it turns under them as\nit did (default); turn, they turn with "
          "it as in the first\nphotograph, and the camera goes round both",
          0, 0},
+        {"panorama", 0, SHEEN_OPTION_TEXT, &a->changes.panorama, "FILE",
+         "light it by this equirectangular picture instead\n(.hdr, .exr, .png; its top is up, its middle the "
+         "board's\nx); the texture keeps the light that was on it",
+         0, 0},
         {"turn-lights", 0, SHEEN_OPTION_NUMBER, &a->turn_lights_deg, "DEG",
          "turn the lights about the board's z, counter-clockwise", -360, 360},
         {"turn-axis", 0, SHEEN_OPTION_TEXT, &a->turn_axis, "X,Y,Z",

@@ -49,10 +49,11 @@ typedef struct sheen_cli_view {
 
 // What a person may change about a model before it is drawn.
 typedef struct sheen_cli_changes {
-    double k_s_factor;  // highlights' strength; 1: as fitted
-    double sigma_rad;   // roughness; 0: as fitted
-    double tint_rgb[3]; // times the highlights' colour; 1 1 1: as fitted
-    bool fill_holes;    // surface that no photograph saw takes its surroundings' colour
+    double k_s_factor;    // highlights' strength; 1: as fitted
+    double sigma_rad;     // roughness; 0: as fitted
+    double tint_rgb[3];   // times the highlights' colour; 1 1 1: as fitted
+    const char *panorama; // a picture file whose light replaces the model's; NULL: as fitted
+    bool fill_holes;      // surface that no photograph saw takes its surroundings' colour
 } sheen_cli_changes;
 
 // Holes are marked magenta, the background is a dark grey.

@@ -5,10 +5,12 @@
 
 #include <stdbool.h>
 
+#include "base/image_file.h"
 #include "base/pose3.h"
 #include "cli/stages.h"
 #include "fit/fill_holes.h"
 #include "render/orbit.h"
+#include "render/panorama_lamps.h"
 
 static const double rad_per_deg = 3.14159265358979323846 / 180;
 
@@ -83,15 +85,34 @@ sheen_status sheen_cli_view_look(sheen_layers *layers, const sheen_cli_view *v, 
     return st ? st : sheen_cli_view_draw(layers, v, cam, rt_cam_obj, err);
 }
 
+// The picture's light, as a surface with the reflectance of glass mirrors it.
+static sheen_status light_by_panorama(sheen_model *m, const char *path, sheen_err *err)
+{
+    enum { LAMPS = 512 };
+    sheen_raster raster;
+    sheen_image panorama = {0};
+    sheen_status st = sheen_raster_load(&raster, path, err);
+    if (st)
+        return st;
+    st = sheen_image_from_raster(&panorama, &raster, SHEEN_TRANSFER_SRGB, err);
+    sheen_raster_release(&raster);
+    if (!st)
+        st = sheen_model_light_by_panorama(m, &panorama, LAMPS, SHEEN_DIELECTRIC_F0, err);
+    sheen_image_release(&panorama);
+    return st ? sheen_wrap(err, st, "cannot light the model by '%s'", path) : SHEEN_OK;
+}
+
 sheen_status sheen_cli_view_change(sheen_cli_view *v, const sheen_cli_changes *c, sheen_err *err)
 {
     sheen_model *m = &v->model;
     const double rgb[3] = {c->k_s_factor * c->tint_rgb[0], c->k_s_factor * c->tint_rgb[1],
                            c->k_s_factor * c->tint_rgb[2]};
-    sheen_model_scale_highlights(m, rgb);
     m->sigma_rad = c->sigma_rad > 0 ? c->sigma_rad : m->sigma_rad;
     sheen_drawing_free(&v->drawing); // keeps what it made of the model before
-    const sheen_status st = c->fill_holes ? sheen_fill_holes(&m->texture, &m->mesh, err) : SHEEN_OK;
+    sheen_status st = c->panorama ? light_by_panorama(m, c->panorama, err) : SHEEN_OK;
+    sheen_model_scale_highlights(m, rgb);
+    if (!st && c->fill_holes)
+        st = sheen_fill_holes(&m->texture, &m->mesh, err);
     return st ? st : sheen_drawing_new(&v->drawing, m, err);
 }
 

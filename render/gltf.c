@@ -15,7 +15,7 @@
 #include "render/surface_picture.h"
 
 static const double pi = 3.14159265358979323846;
-static const double dielectric = 0.04; // what glTF reflects at normal incidence
+static const double dielectric = SHEEN_DIELECTRIC_F0; // what glTF reflects at normal incidence
 // alpha_GGX over sigma: the GGX lobe that is nearest to the normalised Gaussian one, in least squares over small angles;
 // the heavy-tailed lobe is one; and between the two the nearest lies on a line, to 0.01.
 static const double ggx_per_sigma = 1.32, ggx_per_sigma_of_tail = 2;

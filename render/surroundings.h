@@ -13,6 +13,9 @@
 extern "C" {
 #endif
 
+// Reflectance at normal incidence of glass, varnish and most plastics (refractive index 1.5).
+#define SHEEN_DIELECTRIC_F0 0.04
+
 enum { SHEEN_AMBIENT_TERMS = 9 };
 
 typedef struct sheen_surroundings {
