@@ -10,6 +10,9 @@
 
 enum { TAPS = 2 };
 
+static const double tap_weight[2 * TAPS + 1] = {0.20189652, 0.67032005, 1, 0.67032005,
+                                                0.20189652}; // exp(-0.4 i^2)
+
 static const double least_scale = 0.003;
 
 // Gaussian means and slopes of the photograph about q; false at clipped pixels and outside.
@@ -20,7 +23,7 @@ static int sample(sheen_align_observation *o, const sheen_align_state *st, const
     for (int j = -TAPS; j <= TAPS; j++)
         for (int i = -TAPS; i <= TAPS; i++) {
             float rgb[3];
-            const double w = exp(-0.4 * (i * i + j * j));
+            const double w = tap_weight[i + TAPS] * tap_weight[j + TAPS];
             if (!sheen_image_bilinear(rgb, image, q_px[0] + i * st->spacing_px, q_px[1] + j * st->spacing_px))
                 return 0;
             total += w;

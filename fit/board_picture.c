@@ -24,6 +24,12 @@ typedef struct job {
     float offset_m;
 } job;
 
+// Where there are more photographs than are asked: every n-th.
+static const sheen_photo *photo_of(const job *j, size_t view)
+{
+    return &j->photos->photos[view * j->photos->count / j->n_views];
+}
+
 static int compare_floats(const void *a, const void *b)
 {
     const float x = *(const float *)a, y = *(const float *)b;
@@ -47,7 +53,7 @@ static void sample_row(const job *j, const double (*p_obj)[3], float (*rgb)[MAX_
         sheen_scene_occluded(j->scene, occluded, points, SIDE, j->camera_obj[v], j->offset_m);
         for (int i = 0; i < SIDE; i++)
             if (!occluded[i] && fabs(q_px[2 * i]) < 1e6 && fabs(q_px[2 * i + 1]) < 1e6 &&
-                sheen_image_bilinear(rgb[i][n[i]], &j->photos->photos[v].image, q_px[2 * i], q_px[2 * i + 1]))
+                sheen_image_bilinear(rgb[i][n[i]], &photo_of(j, v)->image, q_px[2 * i], q_px[2 * i + 1]))
                 n[i]++;
     }
 }
@@ -160,7 +166,7 @@ sheen_status sheen_board_picture_make(sheen_surroundings *out, const sheen_photo
     j.offset_m = 1e-4f * radius_m;
     for (size_t v = 0; v < j.n_views; v++) {
         sheen_Rt Rt_obj_cam;
-        sheen_Rt_from_rt(&j.Rt_cam_obj[v], photos->photos[v].rt_cam_obj);
+        sheen_Rt_from_rt(&j.Rt_cam_obj[v], photo_of(&j, v)->rt_cam_obj);
         sheen_Rt_invert(&Rt_obj_cam, &j.Rt_cam_obj[v]);
         for (int k = 0; k < 3; k++)
             j.camera_obj[v][k] = (float)Rt_obj_cam.t[k];

@@ -40,26 +40,24 @@ sheen_status sheen_global_texture_minimum(sheen_texture *out, const sheen_mesh *
                                           const sheen_global_texture_options *o, sheen_err *err)
 {
     *out = (sheen_texture){0};
-    sheen_texel_view view = {0};
-    sheen_status s;
-    if ((s = sheen_texture_init(out, mesh->n_triangles, o->texels_per_edge, err)) ||
-        (s = sheen_texel_view_init(&view, mesh->n_triangles, o->texels_per_edge, err)))
-        goto done;
-    for (size_t i = 0; i < photos->count; i++) {
-        if ((s = sheen_progress_step(o->progress, "global texture", (int)i, (int)photos->count, err)))
-            goto done;
-        sheen_texel_view_fill(&view, mesh, scene, &gbuffers[i], &photos->cam, &photos->photos[i],
+    sheen_texel_view own = {0};
+    sheen_status s = sheen_texture_init(out, mesh->n_triangles, o->texels_per_edge, err);
+    for (size_t i = 0; i < photos->count && !s; i++) {
+        sheen_texel_view *view = o->keep ? &o->keep[i] : &own;
+        if ((s = sheen_progress_step(o->progress, "global texture", (int)i, (int)photos->count, err)) ||
+            (!view->seen && (s = sheen_texel_view_init(view, mesh->n_triangles, o->texels_per_edge, err))))
+            break;
+        sheen_texel_view_fill(view, mesh, scene, &gbuffers[i], &photos->cam, &photos->photos[i],
                               o->texels_per_edge, o->n_threads);
-        merge_job j = {out, &view};
-        sheen_parallel_for(view.n_texels, 16384, o->n_threads, merge, &j);
+        merge_job j = {out, view};
+        sheen_parallel_for(view->n_texels, 16384, o->n_threads, merge, &j);
     }
-    if (!sees_anything(out, view.n_texels))
+    const size_t n_texels = mesh->n_triangles * sheen_texels_per_triangle(o->texels_per_edge);
+    if (!s && !sees_anything(out, n_texels))
         s = sheen_fail(err, SHEEN_EDATA,
                        "no photograph sees any part of the mesh: check that mesh, poses and camera "
                        "belong together and that the mesh is in metres");
-
-done:
-    sheen_texel_view_release(&view);
+    sheen_texel_view_release(&own);
     if (s)
         sheen_texture_release(out);
     return s;

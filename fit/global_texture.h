@@ -8,7 +8,10 @@
 #include "render/texture.h"
 
 typedef struct sheen_global_texture_options {
-    int texels_per_edge, n_threads;
+    int texels_per_edge;
+    sheen_texel_view
+        *keep; // [photos->count] zeros: receives every photograph's texels; NULL: nobody wants them
+    int n_threads;
     const sheen_progress *progress; // may be NULL
 } sheen_global_texture_options;
 

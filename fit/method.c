@@ -72,6 +72,7 @@ static sheen_status fit_refined(sheen_paper_fit *out, const sheen_mesh *mesh, sh
     sheen_paper_options o = *options;
     // The minimum of an object that turned is its shaded side: no residuals of that.
     o.stop_after = moving == SHEEN_MOVING_OBJECT ? SHEEN_PAPER_TEXTURE : SHEEN_PAPER_HEMISPHERE;
+    o.keep_texels = true;
     sheen_status s = start(out, mesh, photos, moving, &o, err);
     if (!s && (s = sheen_refined_fit(out, mesh, photos, options, err)))
         sheen_paper_fit_release(out);

@@ -49,7 +49,10 @@ static sheen_status make_texture(run *r, const sheen_scene *scene, sheen_err *er
 {
     if (!r->o.texels_per_edge)
         r->o.texels_per_edge = sheen_texels_per_edge_for(r->mesh, r->photos);
-    const sheen_global_texture_options o = {r->o.texels_per_edge, r->o.n_threads, &r->o.progress};
+    if (r->o.keep_texels && !(r->f->views = calloc(r->f->n_views, sizeof *r->f->views)))
+        return sheen_fail_memory(err, 24.0 * (double)r->f->n_views, "views");
+    const sheen_global_texture_options o = {r->o.texels_per_edge, r->f->views, r->o.n_threads,
+                                            &r->o.progress};
     const sheen_status s = sheen_global_texture_minimum(&r->f->model.texture, r->mesh, scene, r->photos,
                                                         r->f->gbuffers, &o, err);
     sheen_progress_timed(&r->o.progress, "global texture", &r->watch);
@@ -225,12 +228,15 @@ void sheen_paper_fit_release(sheen_paper_fit *f)
             sheen_gbuffer_release(&f->gbuffers[i]);
         if (f->residuals)
             sheen_residual_release(&f->residuals[i]);
+        if (f->views)
+            sheen_texel_view_release(&f->views[i]);
         if (f->partials)
             sheen_partial_hemisphere_release(&f->partials[i]);
     }
     free(f->gbuffers);
     free(f->residuals);
     free(f->partials);
+    free(f->views);
     free(f->nodes);
     sheen_geodesic_release(&f->geodesic);
     sheen_hemisphere_release(&f->combined);

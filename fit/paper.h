@@ -11,6 +11,7 @@
 #include "fit/photos.h"
 #include "fit/refine.h"
 #include "fit/samples.h"
+#include "fit/texel_view.h"
 #include "render/model.h"
 
 // How far the method goes: a method that begins with it may want a part only.
@@ -31,7 +32,8 @@ typedef struct sheen_paper_options {
     bool keep_poses, keep_exposures; // 1: as if they were in `without`
     sheen_extensions without;        // of the refined method
     sheen_paper_stop stop_after;
-    int n_threads; // 0: one a processor
+    bool keep_texels; // for a method that goes on with them: 13 bytes a texel and photograph
+    int n_threads;    // 0: one a processor
     sheen_progress progress;
 } sheen_paper_options;
 
@@ -47,6 +49,7 @@ typedef struct sheen_paper_fit {
     sheen_refine_result refined;
     size_t n_views, n_samples;
     double threshold_lin, sigma0_rad;
+    sheen_texel_view *views; // [n_views] texels of all photographs, where options->keep_texels asked for them
     sheen_align_result align; // the refined method's; views NULL: nothing was aligned
 } sheen_paper_fit;
 

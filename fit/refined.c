@@ -107,10 +107,6 @@ sheen_status sheen_refined_fit(sheen_paper_fit *f, const sheen_mesh *mesh, sheen
                                const sheen_paper_options *options, sheen_err *err)
 {
     sheen_refined_state r = {.f = f, .mesh = mesh, .photos = photos, .o = *options};
-    if (f->n_views > SHEEN_REFINED_MAX_VIEWS)
-        return sheen_fail(err, SHEEN_EUNSUP,
-                          "the refined method takes at most %d photographs, not %zu: use --method paper",
-                          SHEEN_REFINED_MAX_VIEWS, f->n_views);
     const sheen_mesh own = f->model.mesh;
     f->model.mesh = *mesh; // lent for the time of the fit
     sheen_status s = sheen_refined_state_init(&r, err);

@@ -3,6 +3,9 @@
 #include "fit/refined_state.h"
 
 #include <stdlib.h>
+#include <string.h>
+
+#include "fit/diffuse.h"
 
 #include "base/parallel.h"
 
@@ -10,27 +13,54 @@ static void fill_texels(sheen_refined_state *r, size_t i_view)
 {
     sheen_texel_view_fill(&r->views[i_view], r->mesh, r->scene, &r->f->gbuffers[i_view], &r->photos->cam,
                           &r->photos->photos[i_view], r->f->model.texture.texels_per_edge, r->o.n_threads);
+    sheen_view_choice_apply(&r->choice, &r->views[i_view], r->f->gbuffers[i_view].p_camera_obj);
+}
+
+static sheen_status choose_views(sheen_refined_state *r, sheen_err *err)
+{
+    double(*cameras_obj)[3] = malloc((r->f->n_views + 1) * sizeof *cameras_obj);
+    if (!cameras_obj)
+        return sheen_fail_memory(err, 24.0 * (double)r->f->n_views, "views");
+    for (size_t i = 0; i < r->f->n_views; i++)
+        memcpy(cameras_obj[i], r->f->gbuffers[i].p_camera_obj, sizeof *cameras_obj);
+    const sheen_status s = sheen_view_choice_make(&r->choice, r->mesh, (const double(*)[3])cameras_obj,
+                                                  r->f->n_views, SHEEN_REFINED_MAX_VIEWS, r->o.n_threads,
+                                                  err);
+    free(cameras_obj);
+    return s;
+}
+
+// The paper's start has seen all photographs' texels already; where it kept none they are looked up.
+static sheen_status take_texels(sheen_refined_state *r, sheen_err *err)
+{
+    r->views = r->f->views;
+    r->f->views = NULL;
+    for (size_t i = 0; i < r->f->n_views && r->views; i++)
+        sheen_view_choice_apply(&r->choice, &r->views[i], r->f->gbuffers[i].p_camera_obj);
+    if (r->views)
+        return SHEEN_OK;
+    r->views = calloc(r->f->n_views, sizeof *r->views);
+    sheen_status s = r->views ? SHEEN_OK : sheen_fail_memory(err, 500.0 * (double)r->f->n_views, "views");
+    for (size_t i = 0; i < r->f->n_views && !s; i++)
+        if (!(s = sheen_texel_view_init(&r->views[i], r->mesh->n_triangles,
+                                        r->f->model.texture.texels_per_edge, err)))
+            fill_texels(r, i);
+    return s;
 }
 
 sheen_status sheen_refined_state_init(sheen_refined_state *r, sheen_err *err)
 {
-    const size_t n = r->f->n_views, n_triangles = r->mesh->n_triangles;
-    const int edge = r->f->model.texture.texels_per_edge;
+    const size_t n = r->f->n_views;
     sheen_status s = sheen_scene_new(&r->scene, r->mesh, err);
-    if (s)
+    if (s || (s = choose_views(r, err)) || (s = take_texels(r, err)))
         return s;
-    r->views = calloc(n, sizeof *r->views);
     r->lights = calloc(n, sizeof *r->lights);
     r->shading = calloc(n, sizeof *r->shading);
-    r->gloss = malloc((n_triangles * sheen_texels_per_triangle(edge) + 1) * sizeof *r->gloss);
-    if (!r->gloss || !r->views || !r->lights || !r->shading)
+    r->gloss = malloc((r->views[0].n_texels + 1) * sizeof *r->gloss);
+    if (!r->gloss || !r->lights || !r->shading)
         return sheen_fail_memory(err, 500.0 * (double)n, "views");
-    for (size_t i = 0; i < n && !s; i++) {
-        if ((s = sheen_texel_view_init(&r->views[i], n_triangles, edge, err)) ||
-            (s = sheen_view_light_init(&r->lights[i], r->views[i].n_texels, err)))
-            break;
-        fill_texels(r, i);
-    }
+    for (size_t i = 0; i < n && !s; i++)
+        s = sheen_view_light_init(&r->lights[i], r->views[i].n_texels, err);
     return s;
 }
 
@@ -48,6 +78,7 @@ void sheen_refined_state_release(sheen_refined_state *r)
     free(r->gloss);
     sheen_lamp_points_release(&r->points);
     sheen_light_cells_free(&r->cells);
+    sheen_view_choice_release(&r->choice);
     sheen_scene_free(&r->scene);
 }
 

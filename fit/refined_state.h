@@ -6,6 +6,7 @@
 
 #include "fit/lamp_list.h"
 #include "fit/paper.h"
+#include "fit/view_choice.h"
 #include "fit/view_light.h"
 
 enum { SHEEN_REFINED_ROUNDS = 3 };
@@ -19,6 +20,7 @@ typedef struct sheen_refined_state {
     sheen_scene *scene;
     sheen_texel_view *views;  // [n_views] colours of the photographs at the texels
     float *gloss;             // [n_texels] what the model has for them, lent to the lights
+    sheen_view_choice choice; // of the photographs that a texel is estimated from
     sheen_view_light *lights; // [n_views] what the model predicts there besides the diffuse part
     sheen_light_cells *cells;
     sheen_lamp_points points;   // of the model's lamps

@@ -25,10 +25,36 @@ double sheen_loss_mean(sheen_loss loss, const double *residuals, size_t n, doubl
     return n ? sum / (double)n : 0;
 }
 
-static int compare(const void *a, const void *b)
+static void swap(double *x, size_t a, size_t b)
 {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
+    const double t = x[a];
+    x[a] = x[b];
+    x[b] = t;
+}
+
+// The value that would stand at place k were x sorted (Hoare's selection).
+static double select_kth(double *x, size_t n, size_t k)
+{
+    size_t first = 0, last = n - 1;
+    while (first < last) {
+        const double pivot = x[first + (last - first) / 2];
+        size_t i = first, j = last;
+        for (;;) {
+            while (x[i] < pivot)
+                i++;
+            while (x[j] > pivot)
+                j--;
+            if (i >= j)
+                break;
+            swap(x, i++, j--);
+        }
+        // All of first .. j are at most the pivot, all after j at least
+        if (k <= j)
+            last = j;
+        else
+            first = j + 1;
+    }
+    return x[k];
 }
 
 double sheen_robust_scale(const double *residuals, size_t n, double *scratch)
@@ -37,6 +63,5 @@ double sheen_robust_scale(const double *residuals, size_t n, double *scratch)
         return 0;
     for (size_t i = 0; i < n; i++)
         scratch[i] = fabs(residuals[i]);
-    qsort(scratch, n, sizeof *scratch, compare);
-    return 1.4826 * scratch[n / 2];
+    return 1.4826 * select_kth(scratch, n, n / 2);
 }

@@ -9,12 +9,15 @@
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/parallel.h"
 #include "base/pose3.h"
 #include "base/vec.h"
 #include "fit/depth_edges.h"
 #include "render/texture.h"
+
+static const double most_texels_per_px2 = 4;
 
 enum { MAX_TEXELS = SHEEN_TEXTURE_MAX_EDGE * (SHEEN_TEXTURE_MAX_EDGE + 1) / 2 };
 
@@ -58,6 +61,20 @@ static bool inside_mask(const sheen_image *mask, const double q_px[2])
     return !mask->data || (sheen_image_bilinear(&m, mask, q_px[0], q_px[1]) && m > 0.99f);
 }
 
+// True where no place on the triangle faces the camera: c - p and n are both linear in the barycentric coordinates.
+static bool faces_away(const job *j, size_t triangle)
+{
+    const uint32_t *corner = j->mesh->triangles + 3 * triangle;
+    for (int i = 0; i < 3; i++) {
+        float v[3];
+        sheen_subf(v, j->camera_obj, j->mesh->p_obj + 3 * (size_t)corner[i]);
+        for (int k = 0; k < 3; k++)
+            if (sheen_dotf(v, j->mesh->n_obj + 3 * (size_t)corner[k]) > 0)
+                return false;
+    }
+    return true;
+}
+
 // Colours of one triangle's texels.
 static void fill_triangle(const job *j, size_t triangle)
 {
@@ -68,6 +85,9 @@ static void fill_triangle(const job *j, size_t triangle)
     uint8_t *seen = j->out->seen + triangle * n;
     float *rgb = j->out->rgb + triangle * n * 3;
 
+    memset(seen, 0, n);
+    if (faces_away(j, triangle))
+        return;
     sheen_texture_lattice(j->mesh, triangle, j->texels_per_edge, p_obj, n_obj);
     bool any = false;
     for (size_t i = 0; i < n; i++) {
@@ -133,46 +153,51 @@ void sheen_texel_view_fill(sheen_texel_view *v, const sheen_mesh *mesh, const sh
     sheen_parallel_for(mesh->n_triangles, 64, n_threads, fill_triangles, &j);
 }
 
-// Longest edge of a triangle as the camera sees it, about: length times focal length over distance.
-// Negative: it faces away.
-static float edge_px(const sheen_mesh *mesh, size_t triangle, const double camera_obj[3], double focal_px)
+// Area of a triangle in the camera's pixels as it would be seen squarely; negative: it faces away.
+static double area_px2(const sheen_mesh *mesh, size_t triangle, const double camera_obj[3], double focal_px)
 {
     const float *p[3];
-    float e[3][3], n[3], to_camera[3], longest = 0;
+    float e[2][3], n[3], to_camera[3];
     for (int i = 0; i < 3; i++)
         p[i] = mesh->p_obj + 3 * (size_t)mesh->triangles[3 * triangle + (size_t)i];
-    for (int i = 0; i < 3; i++) {
-        sheen_subf(e[i], p[(i + 1) % 3], p[i]);
-        longest = fmaxf(longest, sheen_dotf(e[i], e[i]));
+    sheen_subf(e[0], p[1], p[0]);
+    sheen_subf(e[1], p[2], p[0]);
+    for (int i = 0; i < 3; i++)
         to_camera[i] = (float)camera_obj[i] - p[0][i];
-    }
     sheen_crossf(n, e[0], e[1]);
     if (sheen_dotf(n, to_camera) <= 0)
         return -1;
-    return sqrtf(longest / sheen_dotf(to_camera, to_camera)) * (float)focal_px;
+    const double per_m = focal_px / sqrt((double)sheen_dotf(to_camera, to_camera));
+    return fmin(1e8, 0.5 * sqrt((double)sheen_dotf(n, n)) * per_m * per_m);
 }
 
+// A lattice of T texels an edge cuts its triangle into (T - 1)^2 / 2 pairs of pieces, a pixel each where T - 1 = sqrt(2 area).
 int sheen_texels_per_edge_for(const sheen_mesh *mesh, const sheen_photos *photos)
 {
-    // Weight by about the area that each edge length covers in the pictures, one bin a pixel
-    double weight[SHEEN_TEXTURE_MAX_EDGE] = {0}, total = 0, below = 0;
+    enum { MOST = SHEEN_TEXTURE_MAX_EDGE };
+    double weight[MOST + 1] = {0}, total = 0, below = 0;
     const size_t step = 1 + mesh->n_triangles /
                                 20000; // every triangle of a small mesh, an even choice of a large one
     for (size_t v = 0; v < photos->count; v++) {
         double rt_obj_cam[6];
         sheen_rt_invert(rt_obj_cam, photos->photos[v].rt_cam_obj);
         for (size_t f = 0; f < mesh->n_triangles; f += step) {
-            const float px = edge_px(mesh, f, rt_obj_cam + 3, photos->cam.intrinsics[0]);
-            const int bin = px < SHEEN_TEXTURE_MAX_EDGE - 1 ? (int)px : SHEEN_TEXTURE_MAX_EDGE - 1;
-            if (px < 0)
+            const double area = area_px2(mesh, f, rt_obj_cam + 3, photos->cam.intrinsics[0]);
+            if (!(area > 0))
                 continue;
-            weight[bin] += fmin(1e8, (double)px * (double)px);
-            total += fmin(1e8, (double)px * (double)px);
+            weight[(int)fmin(MOST, round(sqrt(2 * area)))] += area;
+            total += area;
         }
     }
-    int bin = 0;
-    while (bin < SHEEN_TEXTURE_MAX_EDGE - 1 && (below += weight[bin]) < 0.5 * total)
-        bin++;
-    const int edge = bin + 2; // a bin's edges are up to bin + 1 px long, and n pieces have n + 1 texels
-    return edge < SHEEN_TEXTURE_MAX_EDGE ? edge : SHEEN_TEXTURE_MAX_EDGE;
+    int pieces = 1;
+    for (below = weight[0] + weight[1]; pieces < MOST - 1 && below < 0.5 * total;)
+        below += weight[++pieces];
+    // Half of a surface faces a camera. Where triangles are of very different sizes the many small ones would have more texels
+    // than all photographs have pixels.
+    const double surface_px2 = 2 * (double)step * total / (double)(photos->count ? photos->count : 1);
+    int edge = pieces + 1;
+    while (edge > SHEEN_TEXTURE_MIN_EDGE &&
+           (double)(mesh->n_triangles * sheen_texels_per_triangle(edge)) > most_texels_per_px2 * surface_px2)
+        edge--;
+    return edge;
 }

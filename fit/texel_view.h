@@ -30,8 +30,8 @@ void sheen_texel_view_fill(sheen_texel_view *v, const sheen_mesh *mesh, const sh
                            const sheen_gbuffer *g, const sheen_camera *cam, const sheen_photo *photo,
                            int texels_per_edge, int n_threads);
 
-// Texels an edge that make the lattice as fine as the photographs: over half of the area that the mesh covers in them,
-// the texels of the longest edge lie a pixel apart or closer. Within the texture's limits.
+// Texels an edge that make the lattice as fine as the photographs: over half of the area that the mesh covers in them a texel has a
+// pixel's area or less; but no more than four texels a pixel of surface. Within the texture's limits.
 int sheen_texels_per_edge_for(const sheen_mesh *mesh, const sheen_photos *photos);
 
 #endif

@@ -39,6 +39,17 @@ static void scale_is_sigma_in_spite_of_outliers(void **state)
     assert_close(sheen_robust_scale(r, N, scratch), 0.02 * 1.17,
                  0.02 * 0.03); // median of a 90 % share: 1.17 sigma
     assert_close(sheen_robust_scale(r, 0, scratch), 0, 0);
+    for (size_t n = 1; n < 60; n++) { // against counting, with ties
+        size_t below = 0, above = 0;
+        for (size_t i = 0; i < n; i++)
+            r[i] = floor(8 * test_random(&seed));
+        const double median = sheen_robust_scale(r, n, scratch) / 1.4826;
+        for (size_t i = 0; i < n; i++) {
+            below += r[i] < median - 1e-9;
+            above += r[i] > median + 1e-9;
+        }
+        assert_true(below <= n / 2 && above < n - n / 2);
+    }
 }
 
 static void mean_is_over_all_residuals(void **state)
