@@ -67,9 +67,43 @@ static sheen_status refine_poses(sheen_align_state *st, int with_gains, sheen_er
     return SHEEN_OK;
 }
 
-static void start_view(sheen_align_pose *v, const sheen_photo *photo, const sheen_camera *cam,
-                       const sheen_mesh *mesh)
+// Image of a point under a pose of which one number is moved.
+static int project_moved(double q_px[2], const sheen_camera *cam, const double rt[6], int number, double by,
+                         const double p_obj[3])
 {
+    double moved[6], p_cam[3];
+    sheen_Rt Rt;
+    memcpy(moved, rt, sizeof moved);
+    moved[number] += by;
+    sheen_Rt_from_rt(&Rt, moved);
+    sheen_Rt_point(p_cam, &Rt, p_obj);
+    return !sheen_camera_project(cam, q_px, NULL, p_cam, 1, NULL);
+}
+
+// What the pose's covariance says of where a point of the object is in the picture; 0: it says nothing.
+static double known_to_px(const sheen_photo *photo, const sheen_camera *cam, const double p_obj[3])
+{
+    static const double step = 1e-6;
+    double J[6][2], variance_px2 = 0;
+    for (int k = 0; k < 6; k++) {
+        double a[2], b[2];
+        if (!project_moved(a, cam, photo->rt_cam_obj, k, -step, p_obj) ||
+            !project_moved(b, cam, photo->rt_cam_obj, k, step, p_obj))
+            return 0;
+        for (int i = 0; i < 2; i++)
+            J[k][i] = (b[i] - a[i]) / (2 * step);
+    }
+    for (int k = 0; k < 6; k++)
+        for (int l = 0; l < 6; l++)
+            variance_px2 += photo->covariance[6 * k + l] * (J[k][0] * J[l][0] + J[k][1] * J[l][1]);
+    return sqrt(fmax(0, variance_px2));
+}
+
+static void start_view(sheen_align_state *st, size_t view, const sheen_mesh *mesh)
+{
+    const sheen_photo *photo = &st->photos->photos[view];
+    const sheen_camera *cam = &st->photos->cam;
+    sheen_align_pose *v = &st->views[view];
     float centre_obj[3], radius_m;
     sheen_mesh_sphere(mesh, centre_obj, &radius_m);
     sheen_Rt_from_rt(&v->Rt_cam_obj, photo->rt_cam_obj);
@@ -81,6 +115,8 @@ static void start_view(sheen_align_pose *v, const sheen_photo *photo, const shee
         v->px_per[3 + k] = per_m;
     }
     v->px_per[5] = per_m * r / sheen_norm(v->centre_cam); // towards the camera it only grows
+    const double known_px = known_to_px(photo, cam, c);
+    v->prior_px = known_px > 0 ? known_px : st->o->prior_px > 0 ? st->o->prior_px : 2;
 }
 
 // Standard deviations of the poses from the last normal equations, and how far they went.
@@ -197,7 +233,6 @@ sheen_status sheen_align_photos(sheen_align_result *out, sheen_photos *photos, c
                             .photos = photos,
                             .points = &points,
                             .scale = 0.02,
-                            .prior_px = options->prior_px > 0 ? options->prior_px : 2,
                             .prior_ev = options->prior_ev > 0 ? options->prior_ev : 0.5,
                             .white_lin = options->white_lin > 0 ? options->white_lin : 0.97,
                             .n_views = photos->count,
@@ -206,7 +241,7 @@ sheen_status sheen_align_photos(sheen_align_result *out, sheen_photos *photos, c
     if ((s = allocate(&st, &before, out, err)))
         goto done;
     for (size_t v = 0; v < st.n_views; v++)
-        start_view(&st.views[v], &photos->photos[v], &photos->cam, mesh);
+        start_view(&st, v, mesh);
     if (points.n_points >= LEAST_POINTS && !(s = refine(out, &st, before, err))) {
         summarize(out, &st);
         hand_out(photos, out, &st);

@@ -18,7 +18,7 @@
 
 typedef struct sheen_align_options {
     int poses, gains;    // what to refine
-    double prior_px;     // standard deviation of the given poses on the object; 0: 2 px
+    double prior_px;     // standard deviation of poses whose covariance is not known, on the object; 0: 2 px
     double prior_ev;     // of the given exposures; 0: 0.5
     double white_lin;    // from here on a pixel is clipped; 0: 0.97
     int texels_per_edge; // of the lattice of points

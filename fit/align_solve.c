@@ -65,7 +65,7 @@ sheen_status sheen_align_equations(sheen_align_state *st, sheen_err *err)
     free(w);
     for (size_t v = 0; v < st->n_views; v++)
         for (size_t k = 0; k < 6; k++) {
-            const double p = st->views[v].px_per[k] / st->prior_px;
+            const double p = st->views[v].px_per[k] / st->views[v].prior_px;
             st->A[(6 * v + k) * (N + 1)] += p * p;
             st->b[6 * v + k] -= p * p * st->views[v].moved[k];
         }

@@ -22,6 +22,7 @@ typedef struct sheen_align_observation {
 typedef struct sheen_align_pose {
     sheen_Rt Rt_cam_obj;
     double moved[6], log_gain[3];    // since the start
+    double prior_px;                 // of each number
     double centre_cam[3], px_per[6]; // about how many pixels a unit of each number moves the object's points
 } sheen_align_pose;
 
@@ -32,7 +33,7 @@ typedef struct sheen_align_state {
     sheen_align_pose *views;       // [n_views]
     sheen_align_observation *seen; // [n_views][n_points]
     double *A, *b, *scratch;
-    double spacing_px, scale, prior_px, prior_ev, white_lin;
+    double spacing_px, scale, prior_ev, white_lin;
     size_t n_views, n_points, i_view;
     int parity; // points of this parity count
 } sheen_align_state;

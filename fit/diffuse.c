@@ -79,15 +79,40 @@ static double luminance(const double rgb[3])
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
 }
 
-// Weights with the Lorentzian's: each sample against the weighted mean of the others' diffuse colours.
+// The sample that has half of the weight below it, by luminance: where most views are right the rest cannot pull it.
+static size_t median_of(const double (*d)[3], const sample *s, size_t n)
+{
+    uint8_t order[MAX_VIEWS];
+    double total = 0, below = 0;
+    for (size_t i = 0; i < n; i++) {
+        size_t k = i;
+        for (; k && luminance(d[order[k - 1]]) > luminance(d[i]); k--)
+            order[k] = order[k - 1];
+        order[k] = (uint8_t)i;
+        total += s[i].weight;
+    }
+    for (size_t k = 0; k < n; k++)
+        if ((below += s[order[k]].weight) >= 0.5 * total)
+            return order[k];
+    return order[n - 1];
+}
+
+static double lorentzian(const double d[3], const double middle[3])
+{
+    const double z = (luminance(d) - luminance(middle)) / outlier_lin;
+    return 1 / (1 + 0.5 * z * z);
+}
+
+// Weights with the Lorentzian's, from the median on: each sample against the weighted mean of the others' diffuse colours.
 static void reweight(double w[MAX_VIEWS], double mean[3], const sample *s, size_t n,
                      const sheen_surroundings *e, int rounds)
 {
     double d[MAX_VIEWS][3];
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         diffuse_of(d[i], &s[i], e);
-        w[i] = s[i].weight;
-    }
+    const size_t middle = median_of((const double(*)[3])d, s, n);
+    for (size_t i = 0; i < n; i++)
+        w[i] = s[i].weight * lorentzian(d[i], d[middle]);
     for (int round = 0;; round++) {
         double total = 0;
         mean[0] = mean[1] = mean[2] = 0;
@@ -100,10 +125,8 @@ static void reweight(double w[MAX_VIEWS], double mean[3], const sample *s, size_
             mean[c] /= total;
         if (round == rounds)
             return;
-        for (size_t i = 0; i < n; i++) {
-            const double z = (luminance(d[i]) - luminance(mean)) / outlier_lin;
-            w[i] = s[i].weight / (1 + 0.5 * z * z);
-        }
+        for (size_t i = 0; i < n; i++)
+            w[i] = s[i].weight * lorentzian(d[i], mean);
     }
 }
 

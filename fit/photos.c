@@ -67,7 +67,11 @@ static sheen_status find_rounds(posed *out, const sheen_session *s, const sheen_
 static sheen_status set_poses(sheen_photo *p, const sheen_photos *all, const sheen_frame_pose *pose,
                               const posed *turned, sheen_err *err)
 {
+    static const double no_motion[6] = {0};
     sheen_rt_compose(p->rt_cam_obj, pose->rt_cam_board, all->rt_board_obj);
+    if (!memcmp(all->rt_board_obj, no_motion,
+                sizeof no_motion)) // a registration's own error is common to all
+        memcpy(p->covariance, pose->covariance, sizeof p->covariance);
     memcpy(p->rt_world_obj, all->rt_board_obj, sizeof p->rt_world_obj);
     for (size_t i = 0; i < turned->n; i++) {
         const sheen_round_frame *f = &turned->frames[i];

@@ -10,9 +10,11 @@
 
 typedef struct sheen_photo {
     char name[64];
-    sheen_image image;      // RGB, linear
-    sheen_image mask;       // 1 channel, 1: object; data NULL: none
-    double rt_cam_obj[6];   // camera from mesh
+    sheen_image image;    // RGB, linear
+    sheen_image mask;     // 1 channel, 1: object; data NULL: none
+    double rt_cam_obj[6]; // camera from mesh
+    double covariance
+        [36]; // of rt_cam_obj, row-major; zero: not known (given by a person, or the mesh was registered)
     double rt_world_obj[6]; // frame in which the lights stand still, from mesh
 } sheen_photo;
 

@@ -89,22 +89,35 @@ static sheen_status write_hemisphere(const float *rgb, const sheen_geodesic *g, 
     return s;
 }
 
-// Spreads each light to the nodes about it as its lobe would, so that single nodes can be seen.
+// Adds light to the nodes within `width_rad` of a direction, fading outwards, so that single nodes can be seen.
+static void splat(float *rgb, const sheen_geodesic *g, const float direction[3], float width_rad,
+                  const float light_rgb[3])
+{
+    for (size_t node = 0; node < g->n_nodes; node++) {
+        float d[3];
+        sheen_subf(d, g->v_world + 3 * node, direction);
+        const float w = expf(-2 * sheen_dotf(d, d) / (width_rad * width_rad));
+        for (size_t c = 0; c < 3 && w > 1e-4f; c++)
+            rgb[3 * node + c] += w * light_rgb[c];
+    }
+}
+
+// Nodes by their radiance, lamps by their light over the area of their disc.
 static void splat_lights(float *rgb, const sheen_paper_fit *f)
 {
     const sheen_model *m = &f->model;
+    const float width_rad = 1.5f * f->geodesic.spacing_rad;
+    float light_rgb[3];
     for (size_t i = 0; i < m->lights.count; i++) {
-        const float *light = f->geodesic.v_world + 3 * m->node[i];
-        uint32_t near[128];
-        const float width = 1.5f * f->geodesic.spacing_rad;
-        size_t n = sheen_geodesic_within(&f->geodesic, near, 128, light, 2 * width);
-        for (size_t k = 0; k < (n < 128 ? n : 128); k++) {
-            float d[3];
-            sheen_subf(d, f->geodesic.v_world + 3 * near[k], light);
-            const float w = expf(-2 * sheen_dotf(d, d) / (width * width)) * m->radiance[i];
-            for (int c = 0; c < 3; c++)
-                rgb[3 * near[k] + (uint32_t)c] += w * (float)m->light_rgb[c];
-        }
+        for (int c = 0; c < 3; c++)
+            light_rgb[c] = m->radiance[i] * (float)m->light_rgb[c];
+        splat(rgb, &f->geodesic, f->geodesic.v_world + 3 * m->node[i], width_rad, light_rgb);
+    }
+    for (size_t i = 0; i < m->n_lamps; i++) {
+        const float wide_rad = fmaxf(width_rad, m->lamps[i].radius_rad), shrink = width_rad / wide_rad;
+        for (int c = 0; c < 3; c++)
+            light_rgb[c] = shrink * shrink * m->lamps[i].rgb[c];
+        splat(rgb, &f->geodesic, m->lamps[i].direction_world, wide_rad, light_rgb);
     }
 }
 

@@ -131,17 +131,23 @@ static size_t count_lit(const state *st)
     return n;
 }
 
-static sheen_status note_turn(sheen_refine_result *out, const state *st, sheen_err *err)
+sheen_status sheen_refine_note(sheen_refine_result *out, const sheen_refine_turn *turn, sheen_err *err)
 {
     sheen_refine_turn *grown = realloc(out->turns, (out->n_turns + 1) * sizeof *grown);
     if (!grown)
         return sheen_fail_memory(err, (double)((out->n_turns + 1) * sizeof *grown), "the fit's history");
     out->turns = grown;
+    out->turns[out->n_turns++] = *turn;
+    return SHEEN_OK;
+}
+
+static sheen_status note_turn(sheen_refine_result *out, const state *st, sheen_err *err)
+{
     double k_s = 0;
     for (size_t l = 0; l < st->n_nodes; l++)
         k_s += st->x[l];
-    out->turns[out->n_turns++] = (sheen_refine_turn){st->sigma_rad, k_s, st->cost, count_lit(st)};
-    return SHEEN_OK;
+    const sheen_refine_turn turn = {st->sigma_rad, k_s, st->cost, count_lit(st)};
+    return sheen_refine_note(out, &turn, err);
 }
 
 // Tries the limit that the last three sigmas head for, with the lights fitted to it. Keeps it if E is lower.

@@ -44,6 +44,9 @@ typedef struct sheen_refine_result {
 sheen_status sheen_refine(sheen_refine_result *out, const sheen_samples *samples, const float *node_world,
                           const float *radiance0, size_t n_nodes, double omega_sr,
                           const sheen_refine_options *options, sheen_err *err);
+// Appends to its history. ENOMEM.
+sheen_status sheen_refine_note(sheen_refine_result *out, const sheen_refine_turn *turn, sheen_err *err);
+
 void sheen_refine_result_release(sheen_refine_result *r);
 
 #endif

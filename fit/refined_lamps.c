@@ -58,7 +58,9 @@ static sheen_status use_lamps(sheen_refined_state *r, const sheen_lamp_samples *
     r->f->refined.sigma_err = list->scale;
     r->f->refined.converged = list->converged || !list->n;
     r->f->refined.objective = samples->count ? list->cost / (double)samples->count : 0;
-    return sheen_model_set_lamps(m, list->lamps, list->n, err);
+    const sheen_refine_turn round = {m->sigma_rad, m->k_s, r->f->refined.objective, list->n};
+    const sheen_status s = sheen_refine_note(&r->f->refined, &round, err);
+    return s ? s : sheen_model_set_lamps(m, list->lamps, list->n, err);
 }
 
 // k_S by region, given the lamps; samples and lamps are brought in step with it.
