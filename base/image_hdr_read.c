@@ -3,7 +3,6 @@
 //
 // A mantissa m with the exponent e stands for (m + 1/2) 2^(e - 136), as Radiance's own programs have it.
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,18 +31,36 @@ static bool read_line(char line[MAX_LINE_BYTES], reader *r)
     return true;
 }
 
+// One half of the line with the size, such as "-Y 480"; NULL where it is none, else what follows.
+static const char *read_side(const char *text, char axis[3], uint32_t *side_px)
+{
+    char *end = NULL;
+    if ((text[0] != '+' && text[0] != '-') || (text[1] != 'X' && text[1] != 'Y') || text[2] != ' ')
+        return NULL;
+    memcpy(axis, text, 2);
+    axis[2] = '\0';
+    const unsigned long value = strtoul(text + 3, &end, 10);
+    *side_px = value < UINT32_MAX ? (uint32_t)value : UINT32_MAX;
+    return *end == ' ' ? end + 1 : end;
+}
+
 static sheen_status read_size(reader *r, const char *line, sheen_err *err)
 {
-    char y[3], x[3];
-    unsigned height, width;
-    if (sscanf(line, "%2s %9u %2s %9u", y, &height, x, &width) != 4)
+    char rows[3], columns[3];
+    uint32_t height_px = 0, width_px = 0;
+    line = read_side(line, rows, &height_px);
+    if (!line || !read_side(line, columns, &width_px))
         return sheen_fail(err, SHEEN_EFORMAT, "Radiance picture has no line with its size");
-    if (strcmp(y, "-Y") != 0 || strcmp(x, "+X") != 0)
+    if (strcmp(rows, "-Y") != 0 || strcmp(columns, "+X") != 0)
         return sheen_fail(err, SHEEN_EUNSUP,
-                          "a Radiance picture with rows in the order '%s %s' is not supported", y, x);
-    r->height_px = (int)height;
-    r->width_px = (int)width;
-    return sheen_image_check_sides(width, height, err);
+                          "a Radiance picture with rows in the order '%s %s' is not supported", rows,
+                          columns);
+    const sheen_status s = sheen_image_check_sides(width_px, height_px, err);
+    if (s)
+        return s;
+    r->height_px = (int)height_px;
+    r->width_px = (int)width_px;
+    return SHEEN_OK;
 }
 
 static sheen_status read_header(reader *r, sheen_err *err)

@@ -20,9 +20,9 @@ sheen_status sheen_cli_camera_remember(const char *file, const char *camera, con
                                        sheen_err *err);
 // Those of a URI's options that say what a camera claims wrongly: colorspace, transfer, matrix, range.
 void sheen_cli_camera_claims(char options[SHEEN_CLI_OPTIONS_MAX], const char *uri);
-// The URI with what is remembered of its camera put before its own options, which count more; with `remember` its own are
+// The URI with what is remembered of its camera put before its own options, which count more; with `keep` its own are
 // remembered first. *noted: what is to be said of it, "" nothing. URIs of other kinds stay as they are.
-sheen_status sheen_cli_camera_uri(char uri[SHEEN_PATH_MAX], char noted[240], const char *given, bool remember,
+sheen_status sheen_cli_camera_uri(char uri[SHEEN_PATH_MAX], char noted[240], const char *given, bool keep,
                                   sheen_err *err);
 
 #endif

@@ -82,7 +82,7 @@ static double luminance(const double rgb[3])
 // The sample that has half of the weight below it, by luminance: where most views are right the rest cannot pull it.
 static size_t median_of(const double (*d)[3], const sample *s, size_t n)
 {
-    uint8_t order[MAX_VIEWS];
+    uint8_t order[MAX_VIEWS] = {0};
     double total = 0, below = 0;
     for (size_t i = 0; i < n; i++) {
         size_t k = i;

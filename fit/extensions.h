@@ -32,6 +32,6 @@ static inline int sheen_extension_in(sheen_extensions without, sheen_extension e
 }
 
 // From names with commas between them ("lamps,tail"); "align" is poses and exposures. EARG, with the names there are.
-sheen_status sheen_extensions_parse(sheen_extensions *out, const char *names, sheen_err *err);
+sheen_status sheen_extensions_parse(sheen_extensions *out, const char *text, sheen_err *err);
 
 #endif

@@ -2,6 +2,7 @@
 // photos.c - decodes the posed frames of a session and composes each one's poses.
 #include "fit/photos.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -67,10 +68,11 @@ static sheen_status find_rounds(posed *out, const sheen_session *s, const sheen_
 static sheen_status set_poses(sheen_photo *p, const sheen_photos *all, const sheen_frame_pose *pose,
                               const posed *turned, sheen_err *err)
 {
-    static const double no_motion[6] = {0};
+    double motion = 0;
+    for (int k = 0; k < 6; k++)
+        motion += fabs(all->rt_board_obj[k]);
     sheen_rt_compose(p->rt_cam_obj, pose->rt_cam_board, all->rt_board_obj);
-    if (!memcmp(all->rt_board_obj, no_motion,
-                sizeof no_motion)) // a registration's own error is common to all
+    if (!(motion > 0)) // a registration's own error is common to all
         memcpy(p->covariance, pose->covariance, sizeof p->covariance);
     memcpy(p->rt_world_obj, all->rt_board_obj, sizeof p->rt_world_obj);
     for (size_t i = 0; i < turned->n; i++) {

@@ -39,7 +39,7 @@ static sheen_status take_texels(sheen_refined_state *r, sheen_err *err)
         sheen_view_choice_apply(&r->choice, &r->views[i], r->f->gbuffers[i].p_camera_obj);
     if (r->views)
         return SHEEN_OK;
-    r->views = calloc(r->f->n_views, sizeof *r->views);
+    r->views = calloc(r->f->n_views + 1, sizeof *r->views);
     sheen_status s = r->views ? SHEEN_OK : sheen_fail_memory(err, 500.0 * (double)r->f->n_views, "views");
     for (size_t i = 0; i < r->f->n_views && !s; i++)
         if (!(s = sheen_texel_view_init(&r->views[i], r->mesh->n_triangles,

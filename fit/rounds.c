@@ -112,7 +112,7 @@ static int find_axis(axis *out, const sheen_round_frame *frames, size_t n)
 static void mark(sheen_rounds *out, sheen_round_frame *frames, size_t n, size_t i_first, const axis *x)
 {
     size_t first[SHEEN_MAX_ROUNDS] = {i_first}, count[SHEEN_MAX_ROUNDS] = {0};
-    int name[SHEEN_MAX_ROUNDS];
+    int name[SHEEN_MAX_ROUNDS] = {0};
     out->n = 1;
     for (size_t i = 0; i < n; i++) {
         double rt[6];

@@ -2,6 +2,7 @@
 // view_choice.c - the n-th least hash of the cameras that a triangle faces.
 #include "fit/view_choice.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -60,6 +61,7 @@ static bool may_face(const sheen_mesh *mesh, size_t triangle, const double camer
 static void choose(void *self, size_t begin, size_t end)
 {
     const job *j = self;
+    assert(j->most_views > 0 && j->most_views <= MAX_CHOSEN);
     for (size_t f = begin; f < end; f++) {
         uint32_t least[MAX_CHOSEN];
         size_t n = 0, n_facing = 0;

@@ -7,6 +7,7 @@
 // 8 pi sigma^2 (1 + tail).
 #include "render/panorama_lamps.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -54,6 +55,7 @@ static void sum_up(sums *until, const sheen_image *img, const region *r, bool co
                  step_rad = pi / img->height_px * (columns ? cos(elevation) : 1);
     const int n = columns ? r->x1 - r->x0 : r->y1 - r->y0;
     sums sum = {0};
+    assert(n > 0);
     for (int k = 0; k < n; k++) {
         double light = 0;
         for (int y = columns ? r->y0 : r->y0 + k; y < (columns ? r->y1 : r->y0 + k + 1); y++)
@@ -92,6 +94,7 @@ static void measure(region *r, sums *room, const sheen_image *img)
     double spreads[2];
     r->cut = 0;
     for (int columns = 0; columns < 2; columns++) {
+        assert(n[columns] > 0);
         sum_up(room, img, r, columns);
         spreads[columns] = spread(&room[n[columns] - 1]);
         r->light = room[n[columns] - 1].light;
