@@ -22,7 +22,7 @@ static const double reach_nodes = 40;
 // Thousands of numbers take up some of whatever else is wrong: a map has to predict clearly better. (A lamp too many under
 // a sharp lobe makes 3 % of gain and a worse picture; normals that are wrong make 6 % and more.)
 static const double worth_keeping = 0.95;
-static const float most_offset = 0.7f;    // of a normal
+static const float most_offset = 0.7f; // of a normal
 
 typedef struct solver {
     sheen_refined_state *r;
