@@ -4,18 +4,13 @@
 // Residuals (x, y) with sigma per axis have a length with median sigma sqrt(2 ln 2) (Rayleigh). mrcal's own
 // rejection is not used: libmrcal 2.2 loses the memory of a whole solver at each of its rounds.
 #include "calib/calibrate_outliers.h"
+#include "base/order.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 static const double MEDIAN_OF_RAYLEIGH = 1.1774100225154747; // sqrt(2 ln 2)
 static const double LEAST_SIGMA_PX = 0.01;                   // perfect corners have no outliers
-
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 sheen_status sheen_problem_reject(int *n_out, sheen_problem *p, double limit, sheen_err *err)
 {
@@ -29,7 +24,7 @@ sheen_status sheen_problem_reject(int *n_out, sheen_problem *p, double limit, sh
             length[n_used++] = hypot(p->residuals_px[2 * i], p->residuals_px[2 * i + 1]);
     *n_out = 0;
     if (n_used) {
-        qsort(length, n_used, sizeof *length, ascending);
+        qsort(length, n_used, sizeof *length, sheen_ascending);
         const double limit_px = limit * fmax(LEAST_SIGMA_PX, length[n_used / 2] / MEDIAN_OF_RAYLEIGH);
         for (size_t i = 0; i < n; i++)
             if (p->observations[3 * i + 2] > 0 &&

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/order.h"
 #include "base/pose3.h"
 #include "base/vec.h"
 #include "calib/calibrate_seed.h"
@@ -46,12 +47,6 @@ static double summarise_frame(sheen_calibration *c, const sheen_problem *p, cons
     return sum;
 }
 
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 // Median distance, and the largest angle between two boards' normals. O(frames^2), which is a few hundred.
 static void summarise_poses(sheen_calibration *c, const sheen_problem *p)
 {
@@ -71,7 +66,7 @@ static void summarise_poses(sheen_calibration *c, const sheen_problem *p)
     c->tilt_rad = acos(fmax(-1, largest));
     c->distance_m = sheen_norm(p->rt_cam_grid + 3);
     if (distance) {
-        qsort(distance, (size_t)p->n_frames, sizeof *distance, ascending);
+        qsort(distance, (size_t)p->n_frames, sizeof *distance, sheen_ascending);
         c->distance_m = distance[p->n_frames / 2];
     }
     free(distance);

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/order.h"
 #include "calib/homography.h"
 #include "calib/saddle_noise.h"
 #include "calib/saddle_refine.h"
@@ -147,18 +148,12 @@ static bool find_one(sheen_saddle *out, double *asymmetry, const finder *f, cons
                               out->q_px, half);
 }
 
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 // Leaves corners out that have something in their window that does not belong to the board.
 static void drop_disturbed(sheen_board_view *view, const double *asymmetry, double *scratch)
 {
     const size_t n = view->n_saddles;
     memcpy(scratch, asymmetry, n * sizeof *scratch);
-    qsort(scratch, n, sizeof *scratch, ascending);
+    qsort(scratch, n, sizeof *scratch, sheen_ascending);
     const double limit = n ? MAX_ASYMMETRY * fmax(LEAST_ASYMMETRY, scratch[n / 2]) : 0;
     view->n_saddles = 0;
     for (size_t i = 0; i < n; i++)

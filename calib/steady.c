@@ -3,6 +3,7 @@
 //
 // Across an edge blurred by a Gaussian of sigma the steepest slope is contrast / (sigma sqrt(2 pi)).
 #include "calib/steady.h"
+#include "base/order.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -14,17 +15,11 @@ static const double STEP_PX = 0.5,
                     ALONG = 0.22; // of the way from one saddle to the next: before the tag begins
 static const double LEAST_CONTRAST = 12, REACH = 0.11; // of a square: within the white rim
 
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double median(double *values, int n)
 {
     if (!n)
         return (double)NAN;
-    qsort(values, (size_t)n, sizeof *values, ascending);
+    qsort(values, (size_t)n, sizeof *values, sheen_ascending);
     return values[n / 2];
 }
 

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/order.h"
 #include "base/parallel.h"
 #include "base/vec.h"
 #include "fit/align_state.h"
@@ -109,12 +110,6 @@ static void apply_gains(const sheen_align_state *st)
         }
 }
 
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 // The point's D by a reweighted mean that starts from the median; residuals and weights follow. Returns how many views see it.
 static size_t settle_point(const sheen_align_state *st, size_t i)
 {
@@ -124,7 +119,7 @@ static size_t settle_point(const sheen_align_state *st, size_t i)
             st->scratch[n++] = (double)sheen_align_at(st, v, i)->y;
     if (n < 2)
         return n;
-    qsort(st->scratch, n, sizeof *st->scratch, ascending);
+    qsort(st->scratch, n, sizeof *st->scratch, sheen_ascending);
     double mean = st->scratch[(n - 1) / 2]; // highlights only add
     for (int round = 0; round < 3; round++) {
         double sum = 0, total = 0;

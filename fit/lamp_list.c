@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/image.h"
 #include "base/vec.h"
 #include "fit/lamp_start.h"
 #include "fit/robust.h"
@@ -172,16 +173,11 @@ static sheen_status find_lamps(search *q, sheen_err *err)
     return SHEEN_OK;
 }
 
-static float luminance_of(const sheen_lamp *lamp)
-{
-    return 0.2126f * lamp->rgb[0] + 0.7152f * lamp->rgb[1] + 0.0722f * lamp->rgb[2];
-}
-
 // One lamp for two: their sum, mean place, and extent.
 static sheen_lamp joined(const sheen_lamp *a, const sheen_lamp *b)
 {
     sheen_lamp out = {0};
-    const float wa = luminance_of(a), wb = luminance_of(b), share = wa / (wa + wb + 1e-20f);
+    const float wa = sheen_luminance(a->rgb), wb = sheen_luminance(b->rgb), share = wa / (wa + wb + 1e-20f);
     float apart[3];
     sheen_subf(apart, a->direction_world, b->direction_world);
     for (int i = 0; i < 3; i++) {

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/order.h"
 #include "base/pose3.h"
 #include "base/vec.h"
 #include "pose/pose_fit.h"
@@ -30,12 +31,6 @@ static const double MAX_SIGMA_SHARE = 0.01; // of the distance
 static const double MIN_SIGMA_PX = 0.01;    // a handful of points may fit by chance
 static const double TAG_MIN_SIGMA_PX = 0.3; // tags' corners move together
 
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 // The median of those values that are finite; sorts them. NaN where there are none.
 static double median(double *x, size_t n)
 {
@@ -43,7 +38,7 @@ static double median(double *x, size_t n)
     for (size_t i = 0; i < n; i++)
         if (isfinite(x[i]))
             x[m++] = x[i];
-    qsort(x, m, sizeof *x, ascending);
+    qsort(x, m, sizeof *x, sheen_ascending);
     return m ? x[m / 2] : (double)NAN;
 }
 

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/order.h"
 #include "base/pose3.h"
 #include "base/vec.h"
 #include "calib/cholesky.h"
@@ -25,12 +26,6 @@ static const double MOVED_TOGETHER =
     0.75;                            // of the worst: where a board moved, its right places are misfits, too
 static const double AGREE_M = 0.003; // two ties of a board agree within this
 static const double AGREE_RAD = 0.02;
-
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 static void release(sheen_survey_problem *p)
 {
@@ -345,7 +340,7 @@ static void median_errors(sheen_survey_problem *p)
         sheen_survey_group *g = &p->groups[i];
         const size_t n = g->view->n_saddles;
         memcpy(g->error_px + n, g->error_px, n * sizeof *g->error_px);
-        qsort(g->error_px + n, n, sizeof *g->error_px, ascending);
+        qsort(g->error_px + n, n, sizeof *g->error_px, sheen_ascending);
         g->median_px = n ? g->error_px[n + n / 2] : 0;
     }
 }

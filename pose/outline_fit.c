@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/order.h"
 #include "base/vec.h"
 #include "calib/cholesky.h"
 
@@ -148,12 +149,6 @@ static sheen_status collect(residuals *all, const sheen_outline_mesh *mesh, cons
     return SHEEN_OK;
 }
 
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 // A robust standard deviation of the distances.
 static sheen_status spread_px(double *out, const residuals *all, sheen_err *err)
 {
@@ -162,7 +157,7 @@ static sheen_status spread_px(double *out, const residuals *all, sheen_err *err)
         return sheen_fail_memory(err, (double)all->n * sizeof *sorted, "outlines");
     for (size_t i = 0; i < all->n; i++)
         sorted[i] = fabs(all->list[i].distance_px);
-    qsort(sorted, all->n, sizeof *sorted, ascending);
+    qsort(sorted, all->n, sizeof *sorted, sheen_ascending);
     *out = fmax(MIN_SCALE_PX, all->n ? MEDIAN_TO_SIGMA * sorted[all->n / 2] : 0);
     free(sorted);
     return SHEEN_OK;

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/board.h"
+#include "base/order.h"
 #include "base/pose3.h"
 #include "base/vec.h"
 #include "calib/views.h"
@@ -143,12 +144,6 @@ static sheen_status pose_set(sheen_poses *poses, const inputs *in, const sheen_v
     return SHEEN_OK;
 }
 
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static sheen_status summarise(sheen_pose_summary *out, const sheen_poses *poses, sheen_err *err)
 {
     double *values = malloc((2 * poses->n_poses + 1) * sizeof *values),
@@ -163,8 +158,8 @@ static sheen_status summarise(sheen_pose_summary *out, const sheen_poses *poses,
         }
     out->n_found = (int)n;
     if (n) {
-        qsort(values, n, sizeof *values, ascending);
-        qsort(sigmas, n, sizeof *sigmas, ascending);
+        qsort(values, n, sizeof *values, sheen_ascending);
+        qsort(sigmas, n, sizeof *sigmas, sheen_ascending);
         out->rms_median_px = values[n / 2];
         out->sigma_median_m = sigmas[n / 2];
         out->sigma_worst_m = sigmas[n - 1];

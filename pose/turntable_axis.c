@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/order.h"
 #include "base/pose3.h"
 #include "base/vec.h"
 #include "calib/cholesky.h"
@@ -251,18 +252,12 @@ static bool start_rest(problem *p)
     return true;
 }
 
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 // Leaves out the views that stand out; true where the choice changed. sorted[n] is scratch.
 static bool choose_views(problem *p, double *sorted)
 {
     for (size_t i = 0; i < p->n; i++)
         sorted[i] = p->views[i].misfit;
-    qsort(sorted, p->n, sizeof *sorted, ascending);
+    qsort(sorted, p->n, sizeof *sorted, sheen_ascending);
     const double limit = fmax(FLOOR_MISFIT, REJECT_MISFIT * sorted[p->n / 2] / sqrt(MEDIAN_CHI2 / 5));
     bool changed = false;
     for (size_t i = 0; i < p->n; i++) {

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/image_file.h"
+#include "base/order.h"
 #include "base/pose3.h"
 #include "base/vec.h"
 #include "render/far_lights.h"
@@ -57,12 +58,6 @@ static void place_object(sheen_gltf *g, const sheen_mesh *mesh, const double rt_
         g->middle_gltf[k] = sheen_dot(g->R_gltf_obj[k], centre) + g->t_gltf_obj[k];
 }
 
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
 // Irradiance at a place, from that of its triangle's corners.
 static void irradiance_at(float rgb[3], const sheen_surface_picture *p, const float *irradiance,
                           const sheen_chart_place *at)
@@ -97,7 +92,7 @@ static sheen_status find_dome(double *dome_lin, const sheen_surface_picture *p, 
             most = fmax(most, (double)p->rgb.data[3 * i + c] - brightest * (1 - f0) * (double)E[c] / pi);
         wants[n++] = most / (brightest * (1 - f0) + f0);
     }
-    qsort(wants, n, sizeof *wants, ascending);
+    qsort(wants, n, sizeof *wants, sheen_ascending);
     if (n)
         *dome_lin = wants[(n - 1) * (100 - PERCENT) / 100];
     free(wants);

@@ -32,9 +32,7 @@ static const float *pixel(const sheen_image *img, int x, int y)
 
 static double pixel_light(const sheen_image *img, int x, int y)
 {
-    const float *rgb = pixel(img, x, y);
-    const double luminance = 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2];
-    return luminance * sheen_panorama_pixel_sr(img, y);
+    return (double)sheen_luminance(pixel(img, x, y)) * sheen_panorama_pixel_sr(img, y);
 }
 
 // Light along one side of a region, pixel column by column or row by row: sums of light, light times place, and times its
@@ -70,17 +68,17 @@ static void sum_up(sums *until, const sheen_image *img, const region *r, bool co
 }
 
 // Where to halve: after which column or row of those the light is spread less about the two middles than elsewhere.
-static int best_cut(double *left, const sums *until, int n)
+static int best_cut(const sums *until, int n)
 {
     const sums *all = &until[n - 1];
     int best = 0;
-    *left = INFINITY;
+    double least = INFINITY;
     for (int k = 0; k + 1 < n; k++) {
         const sums rest = {all->light - until[k].light, all->moment - until[k].moment,
                            all->square - until[k].square};
         const double sum = spread(&until[k]) + spread(&rest);
-        if (sum < *left) {
-            *left = sum;
+        if (sum < least) {
+            least = sum;
             best = k + 1;
         }
     }
@@ -98,8 +96,7 @@ static void measure(region *r, sums *room, const sheen_image *img)
         sum_up(room, img, r, columns);
         spreads[columns] = spread(&room[n[columns] - 1]);
         r->light = room[n[columns] - 1].light;
-        double left;
-        const int cut = best_cut(&left, room, n[columns]);
+        const int cut = best_cut(room, n[columns]);
         if (n[columns] > 1 && (!r->cut || spreads[columns] > spreads[0])) {
             r->cut = cut;
             r->by_columns = columns;
