@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // test_image_file.c - picture files: round trips, every format's variants, cut and lying files.
-#include "tests/support.h"
+#include "tests/base/damaged_files.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,7 +9,7 @@
 
 #include "base/image_file.h"
 
-#define CORPUS SHEEN_TEST_DATA "/../fuzz/corpus/"
+#define CORPUS TEST_CORPUS
 
 // A raster with a different value in each sample.
 static sheen_raster make_raster(int width_px, int height_px, int n_channels, int bits)
@@ -418,14 +418,18 @@ static void exr_variants(void **state)
     sheen_raster_release(&r);
 }
 
+static sheen_status load_picture(const char *path, sheen_err *err)
+{
+    sheen_raster r;
+    const sheen_status s = sheen_raster_load(&r, path, err);
+    assert_null(r.data);
+    return s;
+}
+
 static void says_what_is_wrong(void **state)
 {
     (void)state;
-    static const struct {
-        const char *path;
-        sheen_status code;
-        const char *msg;
-    } cases[] = {
+    static const test_damaged_file files[] = {
         {"png/claims-30000x30000.png", SHEEN_EFORMAT,
          "the file's 69 bytes cannot hold the 2700 MB of picture that its header claims"},
         {"png/claims-side-too-long.png", SHEEN_EFORMAT, "PNG cannot be decoded: Invalid IHDR data"},
@@ -449,23 +453,23 @@ static void says_what_is_wrong(void **state)
         {"exr/luminance-chroma.exr", SHEEN_EUNSUP,
          "luminance-chroma OpenEXR is not supported: save it as RGB"},
         {"exr/display-window-huge.exr", SHEEN_EFORMAT, NULL},
+        {"hdr/cut.hdr", SHEEN_EFORMAT, "Radiance picture is cut short or damaged in row 1 of 2"},
+        {"hdr/run-beyond-row.hdr", SHEEN_EFORMAT, "Radiance picture is cut short or damaged in row 0 of 1"},
+        {"hdr/width-differs.hdr", SHEEN_EFORMAT, "Radiance picture is cut short or damaged in row 0 of 1"},
+        {"hdr/zero-length.hdr", SHEEN_EFORMAT, "Radiance picture is cut short or damaged in row 0 of 1"},
+        {"hdr/repeats-nothing.hdr", SHEEN_EFORMAT, "Radiance picture is cut short or damaged in row 0 of 1"},
+        {"hdr/claims-30000x30000.hdr", SHEEN_EFORMAT,
+         "the file's 8 bytes cannot hold the 3600 MB of picture that its header claims"},
+        {"hdr/xyze.hdr", SHEEN_EUNSUP, "a Radiance picture of format '32-bit_rle_xyze' is not supported"},
+        {"hdr/upside-down.hdr", SHEEN_EUNSUP,
+         "a Radiance picture with rows in the order '+Y +X' is not supported"},
+        {"hdr/no-size.hdr", SHEEN_EFORMAT, "Radiance picture has no line with its size"},
+        {"hdr/exposure-none.hdr", SHEEN_EFORMAT, "Radiance header's exposure '-1' is none"},
+        {"hdr/header-open.hdr", SHEEN_EFORMAT, "Radiance header is cut short"},
         {"obj/tetrahedron.obj", SHEEN_EFORMAT,
          "not a picture that is read here: neither PNG, JPEG, TIFF, OpenEXR nor Radiance"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char path[TEST_PATH_MAX], want[700];
-        snprintf(path, sizeof path, "%s%s", CORPUS, cases[i].path);
-        snprintf(want, sizeof want, "cannot read '%s': %s", path, cases[i].msg ? cases[i].msg : "");
-        sheen_err err = {0};
-        sheen_raster r;
-        assert_int_equal(sheen_raster_load(&r, path, &err), cases[i].code);
-        assert_int_equal(err.code, cases[i].code);
-        if (cases[i].msg)
-            assert_string_equal(err.msg, want);
-        else
-            assert_int_equal(strncmp(err.msg, want, strlen(want)), 0);
-        assert_null(r.data);
-    }
+    test_damaged_files(files, sizeof files / sizeof *files, load_picture);
     sheen_err err;
     sheen_raster r;
     assert_int_equal(sheen_raster_parse(&r, "", 0, &err), SHEEN_EFORMAT);

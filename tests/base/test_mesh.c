@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // test_mesh.c - meshes: every format's variants, normals, bounds, and files that are broken or lie.
-#include "tests/support.h"
+#include "tests/base/damaged_files.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,7 +9,7 @@
 
 #include "base/mesh.h"
 
-#define CORPUS SHEEN_TEST_DATA "/../fuzz/corpus/"
+#define CORPUS TEST_CORPUS
 
 // The tetrahedron of the corpora: the origin and a unit along each axis, turned outwards.
 static const float tetrahedron_p[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -197,14 +197,18 @@ static void normals_weigh_by_area(void **state)
     assert_close(n[14], 1, 0); // nobody's vertex
 }
 
+static sheen_status load_mesh(const char *path, sheen_err *err)
+{
+    sheen_mesh mesh;
+    const sheen_status s = sheen_mesh_load(&mesh, path, err);
+    assert_null(mesh.p_obj);
+    return s;
+}
+
 static void says_what_is_wrong(void **state)
 {
     (void)state;
-    static const struct {
-        const char *path;
-        sheen_status code;
-        const char *msg;
-    } cases[] = {
+    static const test_damaged_file files[] = {
         {"ply/cut.ply", SHEEN_EFORMAT, "PLY is cut short: face 3 of 4 is missing"},
         {"ply/claims-4e9-vertices.ply", SHEEN_EFORMAT,
          "PLY is cut short: its header claims 4000000000 records, 100 bytes follow"},
@@ -248,18 +252,7 @@ static void says_what_is_wrong(void **state)
         {"png/rgb8.png", SHEEN_EFORMAT,
          "not a mesh that is read here: neither PLY, OBJ (*.obj) nor glTF binary"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char path[TEST_PATH_MAX], want[700];
-        snprintf(path, sizeof path, "%s%s", CORPUS, cases[i].path);
-        snprintf(want, sizeof want, "cannot read '%s': %s", path, cases[i].msg);
-        sheen_err err = {0};
-        sheen_mesh mesh;
-        const sheen_status s = sheen_mesh_load(&mesh, path, &err);
-        assert_string_equal(err.msg, want);
-        assert_int_equal(s, cases[i].code);
-        assert_int_equal(err.code, cases[i].code);
-        assert_null(mesh.p_obj);
-    }
+    test_damaged_files(files, sizeof files / sizeof *files, load_mesh);
     sheen_err err;
     sheen_mesh mesh;
     assert_int_equal(sheen_mesh_parse(&mesh, "", 0, "a.obj", &err), SHEEN_EFORMAT);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // test_pose_file.c - cameras and poses of other programs: conventions by hand-derived numbers, and what is refused.
-#include "tests/support.h"
+#include "tests/base/damaged_files.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -11,7 +11,7 @@
 #include "base/pose3.h"
 #include "base/pose_file.h"
 
-#define CORPUS SHEEN_TEST_DATA "/../fuzz/corpus/"
+#define CORPUS TEST_CORPUS
 
 // Where a point of the world is seen, through the view's own camera.
 static void project(const sheen_pose_file *p, size_t i_view, const double p_world[3], double q_px[2])
@@ -353,17 +353,13 @@ static sheen_status load(const char *path, sheen_err *err)
     const sheen_status s = sheen_colmap_parse(&p, data, at, images + 5, size_bytes - at - 5, err);
     sheen_pose_file_release(&p);
     free(data);
-    return s;
+    return s ? sheen_wrap(err, s, "cannot read '%s'", path) : s;
 }
 
 static void says_what_is_wrong(void **state)
 {
     (void)state;
-    static const struct {
-        const char *path;
-        sheen_status code;
-        const char *msg;
-    } cases[] = {
+    static const test_damaged_file files[] = {
         {"transforms/fisheye.json", SHEEN_EUNSUP,
          "frame 0: camera model 'OPENCV_FISHEYE' is not supported: undistort the images first"},
         {"transforms/is-fisheye.json", SHEEN_EUNSUP,
@@ -426,16 +422,7 @@ static void says_what_is_wrong(void **state)
         {"opencv_yaml/ros-equidistant.yml", SHEEN_EUNSUP,
          "distortion model 'equidistant' is not supported: use plumb_bob"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char path[TEST_PATH_MAX];
-        snprintf(path, sizeof path, "%s%s", CORPUS, cases[i].path);
-        sheen_err err = {0};
-        const sheen_status s = load(path, &err);
-        const char *sentence = strstr(err.msg, path) ? strstr(err.msg, path) + strlen(path) + 3 : err.msg;
-        assert_string_equal(sentence, cases[i].msg);
-        assert_int_equal(s, cases[i].code);
-        assert_int_equal(err.code, cases[i].code);
-    }
+    test_damaged_files(files, sizeof files / sizeof *files, load);
 }
 
 static void cut_files_are_refused(void **state)
