@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include <linux/videodev2.h>
+
 #include "capture/response_fit.h"
 #include "capture/v4l2_source.h"
 #include "tests/fake/fake_v4l2.h"
@@ -69,14 +71,19 @@ static sheen_status measure(station *t, const char *options, sheen_measure kind,
     return s;
 }
 
-static double light_at(const station *t, size_t i_frame, int x, int y)
+static double channel_at(const station *t, size_t i_frame, int x, int y, int channel)
 {
     sheen_image img;
     sheen_err err;
     assert_ok(sheen_session_image(&img, &t->session, &t->session.frames[i_frame], &err), err);
-    const double light = (double)sheen_image_at(&img, x, y)[1];
+    const double light = (double)sheen_image_at(&img, x, y)[channel];
     sheen_image_release(&img);
     return light;
+}
+
+static double light_at(const station *t, size_t i_frame, int x, int y)
+{
+    return channel_at(t, i_frame, x, y, 1);
 }
 
 static void end(station *t)
@@ -130,6 +137,38 @@ static void dark_and_flat_give_the_light_back(void **state)
     assert_ok(measure(&t, "", SHEEN_MEASURE_DARK, &r, &err), err);
     t.camera.faults.covered = false;
     assert_close(light_at(&t, 0, W - 1, 10), 0.5, 0.005);
+    end(&t);
+}
+
+// Of a mosaic the dark frame goes off before anything is interpolated: a hot blue pixel does not spread.
+static void a_mosaic_is_mended_before_it_is_interpolated(void **state)
+{
+    station t;
+    sheen_measure_report r;
+    sheen_err err;
+    begin(&t, state);
+    t.camera.fourcc = V4L2_PIX_FMT_SRGGB8;
+    t.camera.width_px = WIDE; // the frame's number in the first pixels is then less than a thousandth of them
+    t.camera.stride_bytes = WIDE;
+    t.camera.faults.black = 16;
+    t.camera.faults.vignette = 0.4;
+    record(&t, "?exposure_ms=30", 0);
+    const double sunk = (16 + 239 * 0.5 * (1 - 0.4 * 6 / (WIDE - 1))) / 255;
+    assert_close(channel_at(&t, 0, 20, 10, 0), (16 + 239 * 0.5 * (1 - 0.4 * 20 / (WIDE - 1))) / 255, 0.004);
+    assert_true(channel_at(&t, 0, 6, 6, 2) > sunk + 0.05); // a quarter of the hot neighbour's 100
+    t.camera.faults.covered = true;
+    assert_ok(measure(&t, "", SHEEN_MEASURE_DARK, &r, &err), err);
+    assert_close(r.level, 16.0 / 255, 0.003);
+    t.camera.faults.covered = false;
+    for (int c = 0; c < 3; c++) {
+        assert_close(channel_at(&t, 0, 20, 10, c), 0.5 * (1 - 0.4 * 20 / (WIDE - 1)), 0.004);
+        assert_close(channel_at(&t, 0, 5, 5, c), 0.5 * (1 - 0.4 * 5 / (WIDE - 1)), 0.01);
+        assert_close(channel_at(&t, 0, 6, 6, c), 0.5 * (1 - 0.4 * 6 / (WIDE - 1)), 0.01);
+    }
+    assert_ok(measure(&t, "", SHEEN_MEASURE_FLAT, &r, &err), err);
+    for (int x = 10; x < WIDE; x += 90)
+        for (int c = 0; c < 3; c++)
+            assert_close(channel_at(&t, 0, x, 12, c), 0.5, 0.005);
     end(&t);
 }
 
@@ -294,6 +333,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         WITH_SCRATCH(dark_and_flat_give_the_light_back),
+        WITH_SCRATCH(a_mosaic_is_mended_before_it_is_interpolated),
         WITH_SCRATCH(they_are_refused_for_frames_of_others),
         WITH_SCRATCH(saturated_and_uneven_fields_are_refused),
         WITH_SCRATCH(a_bracket_takes_its_dark_frames),

@@ -37,19 +37,30 @@ static uint8_t code_of(const fake_faults *o, double light)
     return (uint8_t)(lit > 1 ? 255 : o->black + lit * (255 - o->black) + 0.5);
 }
 
+// Where the picture holds that channel of a pixel; NULL where it does not: a mosaic has one a pixel, red at the corner.
+static uint8_t *code_at(const fake_v4l2 *f, uint8_t *out, int x, int y, int channel)
+{
+    const size_t i = (size_t)(y * f->width_px + x);
+    if (f->fourcc != V4L2_PIX_FMT_SRGGB8)
+        return out + 3 * i + channel;
+    return x % 2 + y % 2 == channel ? out + i : NULL;
+}
+
 static void draw(const fake_v4l2 *f, uint8_t *out, int channel, double light)
 {
     const fake_faults *o = &f->faults;
     for (int x = 0; x < f->width_px; x++) {
         const double share = (double)x / (f->width_px - 1);
         const uint8_t code = code_of(o, light * (o->ramp ? 2 * share : 1) * (1 - o->vignette * share));
-        for (int y = 0; y < f->height_px; y++)
-            out[3 * (y * f->width_px + x) + channel] = code;
+        for (int y = 0; y < f->height_px; y++) {
+            uint8_t *at = code_at(f, out, x, y, channel);
+            if (at)
+                *at = code;
+        }
     }
-    if (o->black) {
-        uint8_t *hot = out + (size_t)(3 * (5 * f->width_px + 5) + channel);
+    uint8_t *hot = code_at(f, out, 5, 5, channel);
+    if (o->black && hot)
         *hot = (uint8_t)(*hot > 155 ? 255 : *hot + 100);
-    }
 }
 
 void fake_play_settings(fake_v4l2 *f, size_t i_payload)
@@ -75,7 +86,7 @@ static size_t fill(fake_v4l2 *f, uint8_t *out)
     }
     for (int c = 0; c < 3; c++)
         draw(f, out, c, light_of(f, c));
-    memcpy(out, &f->n_frames, sizeof f->n_frames); // two pixels and a bit: which frame this is
+    memcpy(out, &f->n_frames, sizeof f->n_frames); // the first pixels: which frame this is
     return fake_v4l2_frame_bytes(f);
 }
 

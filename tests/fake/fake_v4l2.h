@@ -89,7 +89,8 @@ typedef struct fake_v4l2 {
     sheen_v4l2_io io; // hand this out
     int node;         // /dev/video<node>, and behind the link that stays, FAKE_LINK
     fake_faults faults;
-    // What it delivers: recorded payloads in turn, or (none) a flat RGB3 picture in linear light, lit as the settings say.
+    // What it delivers: recorded payloads in turn, or (none) a flat RGB3 picture in linear light, lit as the settings say;
+    // where fourcc is RGGB, a mosaic of it.
     uint8_t **payloads;
     size_t *payload_bytes, n_payloads;
     sheen_frame_info *recorded; // with each payload
