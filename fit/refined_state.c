@@ -139,7 +139,7 @@ static void subtract_mirrored(sheen_refined_state *r, size_t i_view)
         float n_obj[3], v_obj[3], mirrored[3];
         sheen_normal_map_surface(r->mesh, &r->f->model.normals, &g->hits[at], g->p_camera_obj, NULL, n_obj,
                                  v_obj);
-        sheen_shade_mirrored(mirrored, &r->shading[i_view], p->p_obj, n_obj, v_obj);
+        sheen_shade_mirrored(mirrored, &r->shading[i_view], p->p_obj, n_obj, v_obj, 1);
         float root[3];
         for (int c = 0; c < 3; c++)
             root[c] = (float)p->texture_root[c] / 255;

@@ -7,7 +7,7 @@
 // part.
 //
 // A model of lights alone takes its samples' sum together (lobe_block.h); one with shadows, lamps or
-// mirrored surroundings asks for each sample by itself (shade.h).
+// mirrored surroundings goes by shade.h.
 #include "render/draw_tile.h"
 
 #include <math.h>
@@ -167,18 +167,30 @@ static void turn_to_world(float *x, float *y, float *z, int n, const float R[3][
     }
 }
 
-// One sample after another: shadows, and what is mirrored besides the lights.
+// With shadows, and what is mirrored besides the lights.
 static void shade_each(sheen_tile *tile, const sheen_lobe_block *b, const bool *dark, const sheen_shading *s,
                        const double p_camera_obj[3])
 {
+    float p[SHEEN_TILE_SAMPLES][3], n[SHEEN_TILE_SAMPLES][3], v[SHEEN_TILE_SAMPLES][3];
+    float rgb[SHEEN_TILE_SAMPLES][3], gloss[SHEEN_TILE_SAMPLES];
+    int sample[SHEEN_TILE_SAMPLES];
+    size_t count = 0;
+    memset(tile->specular, 0, (size_t)tile->count * sizeof tile->specular[0]);
     for (int i = 0; i < tile->count; i++) {
-        const float n[3] = {b->nx[i], b->ny[i], b->nz[i]}, v[3] = {b->vx[i], b->vy[i], b->vz[i]};
-        float p[3];
-        sheen_hit_surface(&s->model->mesh, tile->hits[i], p_camera_obj, p, NULL, NULL);
-        memset(tile->specular[i], 0, sizeof tile->specular[i]);
-        if (!dark[i])
-            sheen_shade(tile->specular[i], s, tile->gloss[i], p, n, v);
+        if (dark[i])
+            continue;
+        const float n_i[3] = {b->nx[i], b->ny[i], b->nz[i]}, v_i[3] = {b->vx[i], b->vy[i], b->vz[i]};
+        sheen_hit_surface(&s->model->mesh, tile->hits[i], p_camera_obj, p[count], NULL, NULL);
+        memcpy(n[count], n_i, sizeof n_i);
+        memcpy(v[count], v_i, sizeof v_i);
+        gloss[count] = tile->gloss[i];
+        sample[count++] = i;
     }
+    if (!count)
+        return;
+    sheen_shade(rgb[0], s, gloss, p[0], n[0], v[0], count);
+    for (size_t i = 0; i < count; i++)
+        memcpy(tile->specular[sample[i]], rgb[i], sizeof rgb[i]);
 }
 
 static void shade_together(sheen_tile *tile, sheen_lobe_block *b, const bool *dark, const sheen_shading *s)

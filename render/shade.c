@@ -6,9 +6,13 @@
 #include "render/shade.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/pose3.h"
 #include "render/gbuffer.h"
+
+// Points, or lamps, that are worked on together.
+enum { AT_A_TIME = 64 };
 
 // Terms below this light are not worth a shadow ray.
 static const float negligible_lin = 2e-4f;
@@ -108,7 +112,6 @@ static float shadowed_sum(const sheen_shading *s, const float p_obj[3], const fl
 static void add_lamps(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
                       const float n[3], const float v[3])
 {
-    enum { AT_A_TIME = 64 };
     const sheen_model *m = s->model;
     const sheen_lobe_shape lobe = sheen_model_lobe(m);
     float x[3], response[AT_A_TIME];
@@ -221,48 +224,58 @@ static void split_hit(float rgb[3], float above_world[3], const sheen_shading *s
                              turned ? r_board : r_world, 2 * (float)s->model->sigma_rad);
 }
 
+// sheen_shade_split of a few.
+static void split_some(float *rgb, float *above_world, const sheen_shading *s, const float *p_obj,
+                       const float *n_obj, const float *v_obj, size_t n)
+{
+    float from[3 * AT_A_TIME], r_obj[3 * AT_A_TIME];
+    sheen_hit hits[AT_A_TIME];
+    if (!n)
+        return;
+    for (size_t i = 0; i < 3 * n; i += 3) {
+        sheen_mirrorf(r_obj + i, n_obj + i, v_obj + i);
+        for (size_t k = 0; k < 3; k++)
+            from[i + k] = p_obj[i + k] + s->offset_m * n_obj[i + k];
+    }
+    sheen_scene_first_hits(s->scene, hits, from, 0, r_obj, n);
+    for (size_t i = 0; i < n; i++)
+        split_hit(rgb + 3 * i, above_world + 3 * i, s, p_obj + 3 * i, r_obj + 3 * i, &hits[i]);
+}
+
 void sheen_shade_split(float *rgb, float *above_world, const sheen_shading *s, const float *p_obj,
                        const float *n_obj, const float *v_obj, size_t n)
 {
-    enum { AT_A_TIME = 64 };
     for (size_t begin = 0; begin < n; begin += AT_A_TIME) {
-        const size_t n_now = n - begin < AT_A_TIME ? n - begin : AT_A_TIME;
-        float from[3 * AT_A_TIME], r_obj[3 * AT_A_TIME];
-        sheen_hit hits[AT_A_TIME];
-        for (size_t i = 0; i < n_now; i++) {
-            const size_t at = 3 * (begin + i);
-            sheen_mirrorf(r_obj + 3 * i, n_obj + at, v_obj + at);
-            for (size_t k = 0; k < 3; k++)
-                from[3 * i + k] = p_obj[at + k] + s->offset_m * n_obj[at + k];
-        }
-        sheen_scene_first_hits(s->scene, hits, from, 0, r_obj, n_now);
-        for (size_t i = 0; i < n_now; i++)
-            split_hit(rgb + 3 * (begin + i), above_world + 3 * (begin + i), s, p_obj + 3 * (begin + i),
-                      r_obj + 3 * i, &hits[i]);
+        const size_t at = 3 * begin, n_now = n - begin < AT_A_TIME ? n - begin : AT_A_TIME;
+        split_some(rgb + at, above_world + at, s, p_obj + at, n_obj + at, v_obj + at, n_now);
     }
 }
 
-void sheen_shade_mirrored(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
-                          const float v_obj[3])
+void sheen_shade_mirrored(float *rgb, const sheen_shading *s, const float *p_obj, const float *n_obj,
+                          const float *v_obj, size_t n)
 {
-    float above_world[3];
-    rgb[0] = rgb[1] = rgb[2] = 0;
-    if (!s->model->surroundings.present)
-        return;
-    sheen_shade_split(rgb, above_world, s, p_obj, n_obj, v_obj, 1);
-    if (above_world[2] > 0)
-        sheen_surroundings_radiance(rgb, &s->model->surroundings, p_obj, above_world);
+    float above_world[3 * AT_A_TIME];
+    memset(rgb, 0, 3 * n * sizeof *rgb);
+    for (size_t begin = 0; begin < n && s->model->surroundings.present; begin += AT_A_TIME) {
+        const size_t at = 3 * begin, n_now = n - begin < AT_A_TIME ? n - begin : AT_A_TIME;
+        split_some(rgb + at, above_world, s, p_obj + at, n_obj + at, v_obj + at, n_now);
+        for (size_t i = 0; i < 3 * n_now; i += 3)
+            if (above_world[i + 2] > 0)
+                sheen_surroundings_radiance(rgb + at + i, &s->model->surroundings, p_obj + at + i,
+                                            above_world + i);
+    }
 }
 
-void sheen_shade(float rgb[3], const sheen_shading *s, float gloss, const float p_obj[3],
-                 const float n_obj[3], const float v_obj[3])
+void sheen_shade(float *rgb, const sheen_shading *s, const float *gloss, const float *p_obj,
+                 const float *n_obj, const float *v_obj, size_t n)
 {
-    float mirrored[3] = {0, 0, 0}, F = 0;
-    sheen_shade_lights(rgb, s, p_obj, n_obj, v_obj);
-    if (s->model->surroundings.present) {
-        sheen_shade_mirrored(mirrored, s, p_obj, n_obj, v_obj);
-        F = sheen_fresnel(s->model->surroundings.f0, sheen_dotf(n_obj, v_obj));
+    sheen_shade_mirrored(rgb, s, p_obj, n_obj, v_obj, n);
+    for (size_t i = 0; i < n; i++) {
+        const size_t at = 3 * i;
+        float lights[3];
+        sheen_shade_lights(lights, s, p_obj + at, n_obj + at, v_obj + at);
+        const float F = sheen_fresnel(s->model->surroundings.f0, sheen_dotf(n_obj + at, v_obj + at));
+        for (size_t c = 0; c < 3; c++)
+            rgb[at + c] = gloss[i] * (lights[c] + F * rgb[at + c]);
     }
-    for (int c = 0; c < 3; c++)
-        rgb[c] = gloss * (rgb[c] + F * mirrored[c]);
 }

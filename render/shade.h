@@ -34,17 +34,17 @@ void sheen_shade_irradiance(float rgb[3], const sheen_shading *s, const float p_
 // 1 where the mesh hides the light in direction l_world from the point. n_world: its normal.
 int sheen_shade_hidden(const sheen_shading *s, const float p_obj[3], const float n_world[3],
                        const float l_world[3]);
-// Radiance in the mirror direction, without F: the object's own texture where it stands in the way, else the
-// surroundings. Black where the model has none.
-void sheen_shade_mirrored(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
-                          const float v_obj[3]);
-// The same taken apart, for n points (arrays [n][3]; neighbours side by side are faster): rgb where the mirror direction meets the
-// object or the plane, and black where it leads up and out; then above_world is that direction, else 0.
+// Radiance in the mirror direction, without F, of n points (arrays [n][3]; neighbours side by side are faster): the object's
+// own texture where it stands in the way, else the surroundings. Black where the model has none.
+void sheen_shade_mirrored(float *rgb, const sheen_shading *s, const float *p_obj, const float *n_obj,
+                          const float *v_obj, size_t n);
+// The same taken apart: rgb where the mirror direction meets the object or the plane, and black where it leads up and out;
+// then above_world is that direction, else 0.
 void sheen_shade_split(float *rgb, float *above_world, const sheen_shading *s, const float *p_obj,
                        const float *n_obj, const float *v_obj, size_t n);
-// Both, the second times F, and all times the place's gloss (gloss.h).
-void sheen_shade(float rgb[3], const sheen_shading *s, float gloss, const float p_obj[3],
-                 const float n_obj[3], const float v_obj[3]);
+// Both, the second times F, and all times each place's gloss[n] (gloss.h).
+void sheen_shade(float *rgb, const sheen_shading *s, const float *gloss, const float *p_obj,
+                 const float *n_obj, const float *v_obj, size_t n);
 
 #ifdef __cplusplus
 }

@@ -29,7 +29,7 @@ static int ascending(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-void bench(const char *name, size_t n_items, int runs, void (*body)(void *self), void *self)
+double bench(const char *name, size_t n_items, int runs, void (*body)(void *self), void *self)
 {
     static double ns[MAX_RUNS];
     if (runs > MAX_RUNS)
@@ -43,4 +43,5 @@ void bench(const char *name, size_t n_items, int runs, void (*body)(void *self),
     qsort(ns, (size_t)runs, sizeof *ns, ascending);
     printf("%-44s %10.2f best %10.2f median ns an item (%zu items, %d runs)\n", name, ns[0], ns[runs / 2],
            n_items, runs);
+    return ns[0];
 }

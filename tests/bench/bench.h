@@ -8,8 +8,8 @@
 
 #include <stddef.h>
 
-// Runs body(self) at least `runs` times and prints one line: name, best and median ns an item.
-void bench(const char *name, size_t n_items, int runs, void (*body)(void *self), void *self);
+// Runs body(self) at least `runs` times and prints one line: name, best and median ns an item. Returns the best.
+double bench(const char *name, size_t n_items, int runs, void (*body)(void *self), void *self);
 
 // Keeps a result alive so that the compiler does not drop the work.
 void bench_keep(double x);

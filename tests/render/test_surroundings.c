@@ -150,20 +150,20 @@ static void the_object_mirrors_itself_else_the_room(void **state)
     set_up(&s);
     const float p[3] = {0, 0, 0}, n[3] = {0, 0, 1}, from_left[3] = {-0.6f, 0, 0.8f},
                 from_right[3] = {0.6f, 0, 0.8f};
-    float rgb[3], above[3];
-    sheen_shade_mirrored(rgb, &s.shading, p, n, from_left);
+    float rgb[3], above[3], gloss = 1;
+    sheen_shade_mirrored(rgb, &s.shading, p, n, from_left, 1);
     assert_close(rgb[0], 0, 0); // the model has no surroundings
     s.m.surroundings.present = 1;
     s.m.surroundings.f0 = 0.5;
     s.m.surroundings.ambient_rgb[0][0] = 1 / 0.28209479;
-    sheen_shade_mirrored(rgb, &s.shading, p, n, from_left);
+    sheen_shade_mirrored(rgb, &s.shading, p, n, from_left, 1);
     assert_close(rgb[0], 0.7, 1e-6); // the other triangle's texture
-    sheen_shade_mirrored(rgb, &s.shading, p, n, from_right);
+    sheen_shade_mirrored(rgb, &s.shading, p, n, from_right, 1);
     assert_close(rgb[0], 1, 1e-6); // the room
     sheen_shade_split(rgb, above, &s.shading, p, n, from_right, 1);
     assert_close(rgb[0], 0, 0);
     assert_close(above[0], -0.6, 1e-6);
-    sheen_shade(rgb, &s.shading, 1, p, n, from_right); // lobe plus F times the room
+    sheen_shade(rgb, &s.shading, &gloss, p, n, from_right, 1); // lobe plus F times the room
     assert_close(rgb[0], 1 / 0.8 + (double)sheen_fresnel(0.5, 0.8f), 1e-3);
     tear_down(&s);
 }
