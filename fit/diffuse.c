@@ -24,30 +24,30 @@ typedef struct sample {
     double weight;
 } sample;
 
+static void take(sample *s, const sheen_texel_view *view, const sheen_view_light *l, size_t texel)
+{
+    const float *above = l->above_world + 3 * texel;
+    for (size_t c = 0; c < 3; c++) {
+        s->observed[c] = (double)view->rgb[3 * texel + c] - (double)l->lights_rgb[3 * texel + c];
+        s->mirrored[c] = (double)l->mirrored_rgb[3 * texel + c];
+    }
+    memset(s->basis, 0, sizeof s->basis);
+    if (above[2] > 0)
+        sheen_ambient_basis(s->basis, above);
+    const double u = 1 - (double)l->cosine[texel];
+    s->schlick = u * u * u * u * u;
+    s->gloss = l->gloss ? (double)l->gloss[texel] : 1;
+    const double doubt = lights_doubt * (double)sheen_luminance(l->lights_rgb + 3 * texel);
+    s->weight = (double)l->cosine[texel] / (noise_lin * noise_lin + doubt * doubt) * noise_lin * noise_lin;
+}
+
 static size_t gather(sample out[MAX_VIEWS], const sheen_texel_view *views, const sheen_view_light *lights,
                      size_t n_views, size_t texel)
 {
     size_t n = 0;
-    for (size_t v = 0; v < n_views && n < MAX_VIEWS; v++) {
-        if (!views[v].seen[texel])
-            continue;
-        sample *s = &out[n++];
-        const sheen_view_light *l = &lights[v];
-        const float *above = l->above_world + 3 * texel;
-        for (size_t c = 0; c < 3; c++) {
-            s->observed[c] = (double)views[v].rgb[3 * texel + c] - (double)l->lights_rgb[3 * texel + c];
-            s->mirrored[c] = (double)l->mirrored_rgb[3 * texel + c];
-        }
-        memset(s->basis, 0, sizeof s->basis);
-        if (above[2] > 0)
-            sheen_ambient_basis(s->basis, above);
-        const double u = 1 - (double)l->cosine[texel];
-        s->schlick = u * u * u * u * u;
-        s->gloss = l->gloss ? (double)l->gloss[texel] : 1;
-        const double doubt = lights_doubt * (double)sheen_luminance(l->lights_rgb + 3 * texel);
-        s->weight = (double)l->cosine[texel] / (noise_lin * noise_lin + doubt * doubt) * noise_lin *
-                    noise_lin;
-    }
+    for (size_t v = 0; v < n_views && n < MAX_VIEWS; v++)
+        if (views[v].seen[texel])
+            take(&out[n++], &views[v], &lights[v], texel);
     return n;
 }
 
@@ -72,6 +72,16 @@ static void diffuse_of(double d[3], const sample *s, const sheen_surroundings *e
     const double F = fresnel(s, e);
     for (int c = 0; c < 3; c++)
         d[c] = s->observed[c] - F * (s->mirrored[c] + room(s, e, c));
+}
+
+void sheen_diffuse_and_lights(double rgb[3], const sheen_surroundings *surroundings,
+                              const sheen_texel_view *view, const sheen_view_light *light, size_t texel)
+{
+    sample s;
+    take(&s, view, light, texel);
+    diffuse_of(rgb, &s, surroundings);
+    for (size_t c = 0; c < 3; c++)
+        rgb[c] += (double)light->lights_rgb[3 * texel + c];
 }
 
 static double luminance(const double rgb[3])

@@ -17,6 +17,10 @@ enum { SHEEN_REFINED_MAX_VIEWS = 64 };
 void sheen_surroundings_fit(sheen_surroundings *surroundings, int with_ambient, const sheen_texel_view *views,
                             const sheen_view_light *lights, size_t n_views);
 
+// I - F M of a texel that the view sees: what is left for its diffuse colour and the lights.
+void sheen_diffuse_and_lights(double rgb[3], const sheen_surroundings *surroundings,
+                              const sheen_texel_view *view, const sheen_view_light *light, size_t texel);
+
 // How badly each photograph of a texel is predicted by the others: mean Lorentzian of I_v - S_v - F_v M_v against the mean of the
 // rest. surroundings->present = 0: without F M.
 double sheen_diffuse_cost(const sheen_surroundings *surroundings, const sheen_texel_view *views,

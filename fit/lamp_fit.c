@@ -141,7 +141,7 @@ static void cost_pieces(void *self, size_t begin, size_t end)
             const sheen_lamp_sample *s = &f->samples->at[i];
             float response[SHEEN_LAMP_FIT_MAX];
             respond(response, &f->points, 0, f->n, &f->lobe, s);
-            sum += rho(f, sheen_lamp_residual(s, predict(f, i, response)));
+            sum += (double)s->weight * rho(f, sheen_lamp_residual(s, predict(f, i, response)));
         }
         f->piece_cost[piece] = sum;
     }
@@ -251,7 +251,7 @@ static void accumulate_pieces(void *self, size_t begin, size_t end)
             const double r = sheen_lamp_residual(s, predict(f, i, response));
             if (r == 0)
                 continue;
-            const double w = 1 / (1 + 0.5 * r * r / (f->o.scale * f->o.scale));
+            const double w = (double)s->weight / (1 + 0.5 * r * r / (f->o.scale * f->o.scale));
             const int n = derivatives(f, i, response, parameter, slope);
             for (int a = 0; a < n; a++) {
                 double *row = A + (size_t)parameter[a] * P;
@@ -349,7 +349,8 @@ static sheen_status prepare(fit *f, sheen_err *err)
         if (f->near[i])
             f->index[f->n_near++] = (uint32_t)i;
         else
-            f->rest_cost += rho(f,
+            f->rest_cost += (double)f->samples->at[i].weight *
+                            rho(f,
                                 sheen_lamp_residual(&f->samples->at[i], f->other ? (double)f->other[i] : 0));
     f->n_pieces = (f->n_near + PIECE - 1) / PIECE;
     return SHEEN_OK;
@@ -443,7 +444,7 @@ static void add_colour_sample(double *gram, double *right, const fit *f, size_t 
         return;
     respond(response, &f->points, 0, f->n, &f->lobe, s);
     const double r = (double)s->Y - predict(f, i, response);
-    const double w = 1 / (1 + 0.5 * r * r / (f->o.scale * f->o.scale));
+    const double w = (double)s->weight / (1 + 0.5 * r * r / (f->o.scale * f->o.scale));
     for (size_t l = 0; l < f->n; l++) {
         if (f->hidden[i * f->n + l])
             continue;

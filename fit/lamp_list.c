@@ -13,6 +13,7 @@
 
 enum { MAX_BANS = 5, LAMP_PARAMETERS = 5 };
 static const float lowest_sine = -0.05f, highest_nearness = 0.7f;
+static const double worth_explaining = 0.2; // of what photographs left out are wrong by where a lamp shines
 static const double scale_floor = 0.0015, scale_ceiling = 0.1;
 
 typedef struct search {
@@ -48,7 +49,8 @@ static double cost_by_view(double *by_view, const search *q, const float *predic
     double total = 0;
     memset(by_view, 0, q->samples->n_views * sizeof *by_view);
     for (size_t i = 0; i < q->samples->count; i++)
-        by_view[q->samples->at[i].view] += sheen_loss_rho(SHEEN_LOSS_LORENTZIAN, residual_at(q, predicted, i),
+        by_view[q->samples->at[i].view] += (double)q->samples->at[i].weight *
+                                           sheen_loss_rho(SHEEN_LOSS_LORENTZIAN, residual_at(q, predicted, i),
                                                           q->list->scale);
     for (size_t v = 0; v < q->samples->n_views; v++)
         total += by_view[v];
@@ -88,6 +90,17 @@ static int views_agree(const search *q)
         worse += gain < -2;
     }
     return better > worse;
+}
+
+// Of the lamps from `first` on: what each explains of photographs left out; all of it where there is no proof to ask.
+static sheen_status measure_explained(double *explained, const search *q, const sheen_lamp_list *list,
+                                      size_t first, sheen_err *err)
+{
+    for (size_t i = 0; i < list->n - first; i++)
+        explained[i] = 1;
+    return q->o.proof ? sheen_lamp_proof_explained(explained, q->o.proof, list->lamps, list->n, first,
+                                                   &list->lobe, &q->o.fit, err)
+                      : SHEEN_OK;
 }
 
 static void ban(search *q, const sheen_lamp *lamp)
@@ -148,8 +161,12 @@ static sheen_status add_lamp(search *q, int *state, sheen_err *err)
         return s;
     const double before = cost_by_view(q->view_cost, q, q->predicted),
                  after = cost_by_view(q->view_cost_trial, q, q->trial);
+    double explained = 0;
     *state = before - after > 2 * worth(q, LAMP_PARAMETERS) && views_agree(q);
-    if (!*state) {
+    if (*state && (s = measure_explained(&explained, q, &trial, trial.n - 1, err)))
+        return s;
+    if (!(explained > worth_explaining)) {
+        *state = 0;
         ban(q, &start);
         return SHEEN_OK;
     }
@@ -209,11 +226,16 @@ static sheen_status try_shorter(search *q, sheen_lamp_list *shorter, int *kept, 
     return s;
 }
 
+static int is_out_of_place(const search *q, const sheen_lamp *lamp)
+{
+    return lamp->direction_world[2] < lowest_sine ||
+           lamp->inverse_distance_per_m * q->samples->radius_m > highest_nearness;
+}
+
 // Lamps that wandered below the horizon or into the object, and those that E hardly needs, go.
-static sheen_status prune(search *q, sheen_err *err)
+static sheen_status remove_useless(search *q, sheen_err *err)
 {
     for (size_t i = 0; i < q->list->n;) {
-        const sheen_lamp *lamp = &q->list->lamps[i];
         sheen_lamp_list shorter = *q->list;
         remove_lamp(&shorter, i);
         sheen_status s = predict(q, q->trial, &shorter, err);
@@ -221,13 +243,40 @@ static sheen_status prune(search *q, sheen_err *err)
             return s;
         const double loss = cost_by_view(q->view_cost_trial, q, q->trial) -
                             cost_by_view(q->view_cost, q, q->predicted);
-        if (loss < worth(q, LAMP_PARAMETERS) || lamp->direction_world[2] < lowest_sine ||
-            lamp->inverse_distance_per_m * q->samples->radius_m > highest_nearness)
+        if (loss < worth(q, LAMP_PARAMETERS) || is_out_of_place(q, &q->list->lamps[i]))
             *q->list = shorter;
         else
             i++;
     }
     return SHEEN_OK;
+}
+
+// Those that do not help to predict photographs left out go one at a time, the least first: of two for one light one has to stay.
+static sheen_status remove_unproven(search *q, sheen_err *err)
+{
+    while (q->list->n) {
+        double explained[SHEEN_LAMP_FIT_MAX];
+        size_t least = 0;
+        const sheen_status s = measure_explained(explained, q, q->list, 0, err);
+        if (s)
+            return s;
+        for (size_t i = 1; i < q->list->n; i++)
+            if (explained[i] < explained[least])
+                least = i;
+        if (explained[least] > worth_explaining)
+            break;
+        remove_lamp(q->list, least);
+    }
+    return SHEEN_OK;
+}
+
+static sheen_status prune(search *q, sheen_err *err)
+{
+    const size_t n = q->list->n;
+    sheen_status s = remove_useless(q, err);
+    if (!s)
+        s = remove_unproven(q, err);
+    return s || q->list->n == n || !q->list->n ? s : refine(q, q->list, 8, err);
 }
 
 static int close_together(const search *q, const sheen_lamp *a, const sheen_lamp *b)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// lamp_samples.h - the residual pixels that lamps are estimated from: lit ones, and dark ones which say where no light is.
+// lamp_samples.h - the residual pixels that lamps are estimated from: lit ones, those beside them, and dark ones which say where no light is.
 #ifndef SHEEN_FIT_LAMP_SAMPLES_H
 #define SHEEN_FIT_LAMP_SAMPLES_H
 
@@ -12,6 +12,7 @@ typedef struct sheen_lamp_sample {
     float rgb[3], Y;       // residual, linear
     float gloss;           // by which the place shines (gloss.h)
     float texture_root[3]; // square root of its texture's colour
+    float weight;          // by how many times a lit sample's pixels it stands for
     uint32_t view;
     uint8_t clipped; // the photograph is at its upper end: the residual is a lower bound
     uint8_t lit;     // Y above the threshold, or clipped
@@ -25,7 +26,7 @@ typedef struct sheen_lamp_samples {
 
 typedef struct sheen_lamp_samples_options {
     float threshold_lin;
-    size_t max_lit, max_dark; // more are thinned evenly
+    size_t max_lit, max_dark; // more are thinned evenly; as many again as dark ones beside light
     const sheen_gloss *gloss; // NULL: 1 everywhere
 } sheen_lamp_samples_options;
 

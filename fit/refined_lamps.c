@@ -64,7 +64,7 @@ static sheen_status use_lamps(sheen_refined_state *r, const sheen_lamp_samples *
 }
 
 // k_S by region, given the lamps; samples and lamps are brought in step with it.
-static sheen_status fit_gloss(sheen_refined_state *r, sheen_lamp_samples *samples,
+static sheen_status fit_gloss(sheen_refined_state *r, sheen_lamp_samples *samples, sheen_lamp_proof *proof,
                               const sheen_lamp_fit_options *o, sheen_err *err)
 {
     sheen_gloss *gloss = &r->f->model.gloss;
@@ -83,29 +83,23 @@ static sheen_status fit_gloss(sheen_refined_state *r, sheen_lamp_samples *sample
         return s;
     for (size_t i = 0; i < samples->count; i++)
         samples->at[i].gloss = sheen_gloss_at_root(gloss, samples->at[i].texture_root);
+    for (size_t i = 0; i < proof->samples.count; i++)
+        proof->samples.at[i].gloss = sheen_gloss_at_root(gloss, proof->samples.at[i].texture_root);
     for (size_t i = 0; i < r->lamps.n; i++)
         for (int c = 0; c < 3; c++)
             r->lamps.lamps[i].rgb[c] *= (float)strength;
     return SHEEN_OK;
 }
 
-sheen_status sheen_refined_lamps(sheen_refined_state *r, sheen_err *err)
+static sheen_lamp_list_options list_options(sheen_refined_state *r, const sheen_lamp_proof *proof)
 {
     const sheen_extensions without = r->o.without;
-    float centre_obj[3], radius_m;
-    sheen_lamp_samples samples = {0};
-    const sheen_lamp_samples_options so = {(float)r->f->threshold_lin, MAX_LIT, MAX_DARK, &r->f->model.gloss};
-    sheen_mesh_sphere(r->mesh, centre_obj, &radius_m);
-    sheen_status s = r->round ? SHEEN_OK : start_lobe(r, err);
-    if (!s)
-        s = sheen_lamp_samples_take(&samples, r->f->residuals, r->photos, centre_obj, radius_m, &so, err);
-    if (s)
-        return s;
-    const sheen_lamp_list_options o = {
+    return (sheen_lamp_list_options){
         .threshold_lin = (float)r->f->threshold_lin,
         .max_lamps = 24,
         .find = 1,
         .last = r->round == SHEEN_REFINED_ROUNDS - 1,
+        .proof = proof,
         .fit = {.free_distance = 1,
                 .free_radius = 1,
                 .free_sigma = 1,
@@ -116,14 +110,31 @@ sheen_status sheen_refined_lamps(sheen_refined_state *r, sheen_err *err)
                 .hidden = r->f->model.shadows ? is_hidden : NULL,
                 .hidden_self = r},
         .progress = r->o.progress};
+}
+
+sheen_status sheen_refined_lamps(sheen_refined_state *r, sheen_err *err)
+{
+    float centre_obj[3], radius_m;
+    sheen_lamp_samples samples = {0};
+    sheen_lamp_proof proof = {0};
+    const sheen_lamp_samples_options so = {(float)r->f->threshold_lin, MAX_LIT, MAX_DARK, &r->f->model.gloss};
+    sheen_mesh_sphere(r->mesh, centre_obj, &radius_m);
+    sheen_status s = r->round ? SHEEN_OK : start_lobe(r, err);
+    if (!s)
+        s = sheen_lamp_samples_take(&samples, r->f->residuals, r->photos, centre_obj, radius_m, &so, err);
+    if (!s)
+        s = sheen_lamp_proof_take(&proof, r, &samples, err);
+    const sheen_lamp_list_options o = list_options(r, &proof);
     const int gloss_before = r->f->model.gloss.n;
-    s = sheen_lamp_list_fit(&r->lamps, &samples, &o, err);
-    if (!s && r->lamps.n && sheen_extension_in(without, SHEEN_EXTENSION_REGIONS))
-        s = fit_gloss(r, &samples, &o.fit, err);
+    if (!s)
+        s = sheen_lamp_list_fit(&r->lamps, &samples, &o, err);
+    if (!s && r->lamps.n && sheen_extension_in(r->o.without, SHEEN_EXTENSION_REGIONS))
+        s = fit_gloss(r, &samples, &proof, &o.fit, err);
     if (!s && !gloss_before && r->f->model.gloss.n) // the first lamps were found without
         s = sheen_lamp_list_fit(&r->lamps, &samples, &o, err);
     if (!s)
         s = use_lamps(r, &samples, err);
     sheen_lamp_samples_release(&samples);
+    sheen_lamp_proof_release(&proof);
     return s;
 }

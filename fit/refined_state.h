@@ -48,6 +48,11 @@ sheen_status sheen_refined_residuals(sheen_refined_state *r, sheen_err *err);
 // Lamps and their lobe from the residuals.
 sheen_status sheen_refined_lamps(sheen_refined_state *r, sheen_err *err);
 
+// What lamps are judged by, from an even choice of the texels that two photographs or more see; origin and size as in the lamps'
+// samples. ENOMEM.
+sheen_status sheen_lamp_proof_take(sheen_lamp_proof *out, const sheen_refined_state *r,
+                                   const sheen_lamp_samples *like, sheen_err *err);
+
 // Nodes of the hemisphere and their lobe instead. consistency: share of the views that must agree on a node. EDATA: no highlight.
 sheen_status sheen_refined_nodes(sheen_refined_state *r, float consistency, sheen_err *err);
 

@@ -2,10 +2,11 @@
 // bench_scenes.c - every method on exact scenes, a row each: what is recovered, and how well held-out views are predicted.
 //
 //     bench_scenes [--method NAME] [--seeds FIRST-LAST] [--size SHARE] [--but WHAT,...] [--without NAME,...]
-//                  [--ablation] [--pictures DIR] [SCENE...]
+//                  [--ablation] [--lamps] [--pictures DIR] [SCENE...]
 //
 // --but takes a difficulty out of the scenes: near, discs, coloured, ggx, k_s-map, pose, normals. --without leaves extensions
-// (fit/extensions.h) out of the refined method; --ablation adds a row without each of them in turn.
+// (fit/extensions.h) out of the refined method; --ablation adds a row without each of them in turn. --lamps lists the lamps
+// found, each beside the true light nearest to it.
 //
 // Columns: sigma's error; lights found of six; worst direction (minutes of arc), distance and strength of those; PSNR of the
 // specular layer (linear) and of a black one; PSNR of the composite (sRGB), of the model's diffuse layer under the true
@@ -16,7 +17,9 @@
 #include <string.h>
 #include <time.h>
 
+#include "base/image.h"
 #include "base/image_file.h"
+#include "base/vec.h"
 #include "fit/method.h"
 #include "tests/fit/exact_score.h"
 #include "tests/support.h"
@@ -24,7 +27,7 @@
 typedef struct arguments {
     const char *method, *pictures, *but;
     sheen_extensions without;
-    int ablation, first, last;
+    int ablation, print_lamps, first, last;
     double size;
 } arguments;
 
@@ -64,7 +67,33 @@ static double exposure_error_ev(const exact_scene *s, const sheen_align_result *
     return worst;
 }
 
-static void fit_scene(const exact_scene *s, const char *label, sheen_fit_method method,
+static double degrees_between(const float a[3], const double b[3])
+{
+    const double x[3] = {(double)a[0], (double)a[1], (double)a[2]};
+    double across[3];
+    sheen_cross(across, x, b);
+    return atan2(sheen_norm(across), sheen_dot(x, b)) * 180 / 3.14159265358979;
+}
+
+// Each lamp of the model beside the true light nearest to its direction (the middle of these scenes' objects is the lamps' origin).
+static void print_lamps(const exact_scene *s, const sheen_model *m)
+{
+    for (size_t i = 0; i < m->n_lamps; i++) {
+        const sheen_lamp *l = &m->lamps[i];
+        int k = 0;
+        for (int t = 1; t < EXACT_LIGHTS; t++)
+            if (degrees_between(l->direction_world, s->lights[t].v_world) <
+                degrees_between(l->direction_world, s->lights[k].v_world))
+                k = t;
+        printf(
+            "%40s lamp %2zu: Y %.4f, %5.2f degrees wide, %.2f per m; %6.2f degrees from light %d of Y %.4f\n",
+            "", i, (double)sheen_luminance(l->rgb), (double)l->radius_rad * 57.29578,
+            (double)l->inverse_distance_per_m, degrees_between(l->direction_world, s->lights[k].v_world), k,
+            0.2126 * s->lights[k].rgb[0] + 0.7152 * s->lights[k].rgb[1] + 0.0722 * s->lights[k].rgb[2]);
+    }
+}
+
+static void fit_scene(const exact_scene *s, const char *label, sheen_fit_method method, const arguments *a,
                       sheen_extensions without)
 {
     sheen_paper_fit f;
@@ -89,6 +118,8 @@ static void fit_scene(const exact_scene *s, const char *label, sheen_fit_method 
     printf("%40s poses off by %.2f px, exposures by %.3f EV; %zu lights, %d glosses, %.1f CPU s\n", "",
            pose_error_px(s, &inputs), exposure_error_ev(s, &f.align), f.model.lights.count + f.model.n_lamps,
            f.model.gloss.n, fit_s);
+    if (a->print_lamps)
+        print_lamps(s, &f.model);
     free(inputs.photos);
     sheen_paper_fit_release(&f);
 }
@@ -130,10 +161,10 @@ static void run_scene(const arguments *a, const char *name, int seed)
         save(a, label, &s.inputs.photos[0].image);
     for (int m = 0; m < SHEEN_FIT_METHOD_COUNT; m++)
         if (!a->method || !strcmp(a->method, sheen_fit_method_name((sheen_fit_method)m)))
-            fit_scene(&s, label, (sheen_fit_method)m, a->without);
+            fit_scene(&s, label, (sheen_fit_method)m, a, a->without);
     for (int e = 0; a->ablation && e < SHEEN_EXTENSION_COUNT; e++) {
         snprintf(label, sizeof label, "%s %d -%s", name, seed, sheen_extension_name((sheen_extension)e));
-        fit_scene(&s, label, SHEEN_FIT_REFINED, a->without | 1u << e);
+        fit_scene(&s, label, SHEEN_FIT_REFINED, a, a->without | 1u << e);
     }
     exact_scene_release(&s);
 }
@@ -151,6 +182,8 @@ int main(int argc, char **argv)
             assert_ok(sheen_extensions_parse(&a.without, argv[++i], &err), err);
         else if (!strcmp(argv[i], "--ablation"))
             a.ablation = 1;
+        else if (!strcmp(argv[i], "--lamps"))
+            a.print_lamps = 1;
         else if (!strcmp(argv[i], "--but") && i + 1 < argc)
             a.but = argv[++i];
         else if (!strcmp(argv[i], "--pictures") && i + 1 < argc)

@@ -36,7 +36,7 @@ static void add_sample(sheen_lamp_samples *out, const stage *st, const float n[3
 {
     double response[6];
     sheen_lamp_sample *s = &out->at[out->count];
-    *s = (sheen_lamp_sample){.view = (uint32_t)view, .gloss = 1};
+    *s = (sheen_lamp_sample){.view = (uint32_t)view, .gloss = 1, .weight = 1};
     for (int k = 0; k < 3; k++)
         s->x_m[k] = s->p_obj[k] = (float)radius_m * n[k];
     memcpy(s->n_world, n, sizeof s->n_world);

@@ -39,6 +39,38 @@ static void the_paper_on_its_own_ground(void **state)
     }
 }
 
+// The lamps there are and no others, where a texel is wider than the paint's edges and misplaced paint looks like highlights.
+static void no_lamp_too_few_or_too_many(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        uint64_t seed;
+        double size, specular_db;
+    } cases[] = {{"far", 1, 0.33, 52}, {"near", 21, 0.4, 52}, {"discs", 22, 0.4, 52}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        exact_options o;
+        exact_scene s;
+        exact_score e;
+        sheen_paper_fit f;
+        sheen_err err;
+        const sheen_paper_options fo = {0};
+        assert_true(exact_scene_options(&o, cases[i].name, cases[i].seed));
+        o.size = cases[i].size;
+        exact_scene_make(&s, &o);
+        assert_ok(sheen_fit_make(&f, SHEEN_FIT_REFINED, SHEEN_MOVING_CAMERA, &s.mesh, &s.inputs, &fo, &err),
+                  err);
+        exact_score_model(&e, &s, &f.model);
+        exact_score_print(stdout, cases[i].name, "refined", &e);
+        assert_int_equal(e.n_found, EXACT_LIGHTS);
+        assert_int_equal(f.model.n_lamps, EXACT_LIGHTS);
+        assert_true(e.specular_db > cases[i].specular_db);
+        assert_true(e.composite_db > e.true_specular_db - 0.5);
+        sheen_paper_fit_release(&f);
+        exact_scene_release(&s);
+    }
+}
+
 // Texture, lamps, gloss and surroundings of a fit with one thread and with three: the same to the bit.
 static void threads_do_not_change_the_answer(void **state)
 {
@@ -80,6 +112,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_paper_on_its_own_ground),
+        cmocka_unit_test(no_lamp_too_few_or_too_many),
         cmocka_unit_test(threads_do_not_change_the_answer),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
