@@ -17,6 +17,7 @@ enum { LEAST_POINTS = 300 };
 
 static const double spacing_px[3] = {1.6, 0.8, 0.45}; // of the Gaussian's taps, coarse to fine
 static const int rounds[3] = {5, 4, 5};
+static const size_t strides[3] = {4, 4, 1}; // a part of the points finds the way; all of them the end of it
 // What is refined must lower the disagreement to this share. Gains more so: what all views mirror differently looks like them.
 static const double worth_poses = 0.98, worth_gains = 0.9;
 
@@ -24,6 +25,7 @@ static const double worth_poses = 0.98, worth_gains = 0.9;
 static sheen_status left_out(sheen_align_state *st, double *error, sheen_err *err)
 {
     st->spacing_px = spacing_px[2];
+    st->stride = strides[2];
     const sheen_status s = sheen_align_observe(st, err);
     if (s)
         return s;
@@ -37,10 +39,11 @@ static sheen_status left_out(sheen_align_state *st, double *error, sheen_err *er
 static sheen_status refine_gains(sheen_align_state *st, int level, int turns, sheen_err *err)
 {
     st->spacing_px = spacing_px[level];
-    const sheen_status s = sheen_align_observe(st, err);
+    st->stride = strides[level];
+    sheen_status s = sheen_align_observe(st, err);
     for (int i = 0; i < turns && !s; i++) {
         sheen_align_measure(st);
-        sheen_align_solve_gains(st);
+        s = sheen_align_solve_gains(st, err);
     }
     return s;
 }
@@ -51,12 +54,14 @@ static sheen_status refine_poses(sheen_align_state *st, int with_gains, sheen_er
         for (int i = 0; i < rounds[level]; i++) {
             double step_px;
             st->spacing_px = spacing_px[level];
+            st->stride = strides[level];
             sheen_status s = sheen_align_observe(st, err);
             if (s)
                 return s;
             sheen_align_measure(st);
             if (with_gains) {
-                sheen_align_solve_gains(st);
+                if ((s = sheen_align_solve_gains(st, err)))
+                    return s;
                 sheen_align_measure(st);
             }
             if ((s = sheen_align_move(st, &step_px, err)))
@@ -233,6 +238,7 @@ sheen_status sheen_align_photos(sheen_align_result *out, sheen_photos *photos, c
                             .photos = photos,
                             .points = &points,
                             .scale = 0.02,
+                            .stride = 1,
                             .prior_ev = options->prior_ev > 0 ? options->prior_ev : 0.5,
                             .white_lin = options->white_lin > 0 ? options->white_lin : 0.97,
                             .n_views = photos->count,

@@ -68,7 +68,7 @@ static void observe_points(void *self, size_t begin, size_t end)
     for (size_t i = begin; i < end; i++) {
         sheen_align_observation *o = sheen_align_at(st, st->i_view, i);
         o->valid = 0;
-        if (!st->points->seen[st->i_view * st->n_points + i])
+        if (i / 2 % st->stride || !st->points->seen[st->i_view * st->n_points + i])
             continue;
         double p_obj[3], p_cam[3], q_px[2], dq_dp[6];
         for (int k = 0; k < 3; k++)
@@ -100,12 +100,15 @@ static const double Y_of[3] = {0.2126, 0.7152, 0.0722};
 // Luminances under the present gains.
 static void apply_gains(const sheen_align_state *st)
 {
+    sheen_align_set_gains(st);
     for (size_t v = 0; v < st->n_views; v++)
         for (size_t i = 0; i < st->n_points; i++) {
             sheen_align_observation *o = sheen_align_at(st, v, i);
+            if (!o->valid)
+                continue;
             double y = -(double)sheen_luminance(st->points->predicted + 3 * (v * st->n_points + i));
             for (int c = 0; c < 3; c++)
-                y += Y_of[c] * (double)o->rgb[c] * exp(-st->views[v].log_gain[c]);
+                y += Y_of[c] * (double)o->rgb[c] * st->views[v].per_gain[c];
             o->y = (float)y;
         }
 }
@@ -147,6 +150,8 @@ double sheen_align_settle(const sheen_align_state *st)
     if (!r)
         return st->scale;
     for (size_t i = 0; i < st->n_points; i++) {
+        if (i / 2 % st->stride)
+            continue;
         const size_t views = settle_point(st, i);
         for (size_t v = 0; v < st->n_views && views >= 2 && (int)(i % 2) == st->parity; v++)
             if (sheen_align_at(st, v, i)->valid) // n residuals about their own mean are small by (n - 1) / n

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/parallel.h"
 #include "base/pose3.h"
 #include "base/vec.h"
 #include "fit/texel_view.h"
@@ -66,33 +67,47 @@ static float edge_strength(const sheen_image *image, const double q_px[2])
     return most - least;
 }
 
-static sheen_status look_at(choice *c, size_t view, const sheen_texel_view *v, sheen_err *err)
+typedef struct look_job {
+    choice *c;
+    const sheen_texel_view *v;
+    const sheen_photo *photo;
+    size_t view;
+    sheen_Rt Rt_cam_obj;
+    float camera_obj[3];
+} look_job;
+
+static void look_at(void *self, size_t begin, size_t end)
 {
-    const sheen_photo *photo = &c->photos->photos[view];
-    double rt_obj_cam[6];
-    sheen_Rt Rt;
-    sheen_rt_invert(rt_obj_cam, photo->rt_cam_obj);
-    sheen_Rt_from_rt(&Rt, photo->rt_cam_obj);
-    for (size_t i = 0; i < c->n_candidates; i++) {
-        if (!v->seen[i * c->step])
+    const look_job *j = self;
+    choice *c = j->c;
+    for (size_t i = begin; i < end; i++) {
+        if (!j->v->seen[i * c->step])
             continue;
         const float *p = c->p_obj + 3 * i;
         float to_camera[3];
-        for (int k = 0; k < 3; k++)
-            to_camera[k] = (float)rt_obj_cam[3 + k] - p[k];
+        sheen_subf(to_camera, j->camera_obj, p);
         sheen_normalizef(to_camera);
         if (!(sheen_dotf(to_camera, c->n_obj + 3 * i) > slant_limit))
             continue;
         const double p_obj[3] = {(double)p[0], (double)p[1], (double)p[2]};
         double p_cam[3], q_px[2];
-        sheen_Rt_point(p_cam, &Rt, p_obj);
-        const sheen_status s = sheen_camera_project(&c->photos->cam, q_px, NULL, p_cam, 1, err);
-        if (s)
-            return s;
-        c->seen[view * c->n_candidates + i] = 1;
-        c->strength[i] = fmaxf(c->strength[i], edge_strength(&photo->image, q_px));
+        sheen_Rt_point(p_cam, &j->Rt_cam_obj, p_obj);
+        if (sheen_camera_project(&c->photos->cam, q_px, NULL, p_cam, 1, NULL))
+            continue;
+        c->seen[j->view * c->n_candidates + i] = 1;
+        c->strength[i] = fmaxf(c->strength[i], edge_strength(&j->photo->image, q_px));
     }
-    return SHEEN_OK;
+}
+
+static void look_from(choice *c, size_t view, const sheen_texel_view *v, int n_threads)
+{
+    look_job j = {.c = c, .v = v, .photo = &c->photos->photos[view], .view = view};
+    double rt_obj_cam[6];
+    sheen_rt_invert(rt_obj_cam, j.photo->rt_cam_obj);
+    sheen_Rt_from_rt(&j.Rt_cam_obj, j.photo->rt_cam_obj);
+    for (int k = 0; k < 3; k++)
+        j.camera_obj[k] = (float)rt_obj_cam[3 + k];
+    sheen_parallel_for(c->n_candidates, 2048, n_threads, look_at, &j);
 }
 
 static sheen_status look(choice *c, const sheen_scene *scene, int n_threads, sheen_err *err)
@@ -107,7 +122,7 @@ static sheen_status look(choice *c, const sheen_scene *scene, int n_threads, she
         sheen_texel_view_fill(&v, c->mesh, scene, &g, &c->photos->cam, &c->photos->photos[i], c->edge,
                               n_threads);
         sheen_gbuffer_release(&g);
-        s = look_at(c, i, &v, err);
+        look_from(c, i, &v, n_threads);
     }
     sheen_texel_view_release(&v);
     return s;

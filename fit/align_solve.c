@@ -11,40 +11,43 @@
 static const double Y_of[3] = {0.2126, 0.7152, 0.0722};
 
 // Slope of an observation's luminance by its view's six numbers.
-static void slope_of(double J[6], const sheen_align_observation *o, const double log_gain[3])
+static void slope_of(double J[6], const sheen_align_observation *o, const double per_gain[3])
 {
     double g[2] = {0, 0};
     for (int c = 0; c < 3; c++)
         for (int k = 0; k < 2; k++)
-            g[k] += Y_of[c] * exp(-log_gain[c]) * (double)o->rgb_dq[c][k];
+            g[k] += Y_of[c] * per_gain[c] * (double)o->rgb_dq[c][k];
     for (int k = 0; k < 6; k++)
         J[k] = g[0] * (double)o->q_dx[0][k] + g[1] * (double)o->q_dx[1][k];
 }
 
-// Adds the point's part of the normal equations with D eliminated: J' W J - (J' w)(J' w)' / sum w.
-static void add_point(sheen_align_state *st, size_t i, double (*J)[6], double *w)
+// Adds the point's part of the normal equations with D eliminated: J' W J - (J' w)(J' w)' / sum w. Views that do not see it cost nothing.
+static void add_point(sheen_align_state *st, size_t i, double (*J)[6], double *w, size_t *view)
 {
     const size_t N = 6 * st->n_views;
     double total = 0;
+    size_t n = 0;
     for (size_t v = 0; v < st->n_views; v++) {
         const sheen_align_observation *o = sheen_align_at(st, v, i);
-        w[v] = o->valid ? (double)o->weight / (st->scale * st->scale) : 0;
-        total += w[v];
-        if (o->valid)
-            slope_of(J[v], o, st->views[v].log_gain);
-    }
-    for (size_t v = 0; v < st->n_views; v++) {
-        if (!(w[v] > 0))
+        if (!o->valid || !(o->weight > 0))
             continue;
+        w[n] = (double)o->weight / (st->scale * st->scale);
+        total += w[n];
+        slope_of(J[n], o, st->views[v].per_gain);
+        view[n++] = v;
+    }
+    for (size_t k = 0; k < n; k++) {
+        const size_t v = view[k];
         const double r = (double)sheen_align_at(st, v, i)->residual;
         for (size_t a = 0; a < 6; a++) {
             double *row = st->A + (6 * v + a) * N;
-            st->b[6 * v + a] -= w[v] * r * J[v][a];
+            const double along = w[k] * J[k][a];
+            st->b[6 * v + a] -= along * r;
             for (size_t b = 0; b <= a; b++)
-                row[6 * v + b] += w[v] * J[v][a] * J[v][b];
-            for (size_t u = 0; u <= v; u++)
-                for (size_t b = 0; b < 6 && w[u] > 0 && 6 * u + b <= 6 * v + a; b++)
-                    row[6 * u + b] -= w[v] * w[u] / total * J[v][a] * J[u][b];
+                row[6 * v + b] += along * J[k][b] * (1 - w[k] / total);
+            for (size_t m = 0; m < k; m++)
+                for (size_t b = 0; b < 6; b++)
+                    row[6 * view[m] + b] -= along * w[m] / total * J[m][b];
         }
     }
 }
@@ -54,15 +57,18 @@ sheen_status sheen_align_equations(sheen_align_state *st, sheen_err *err)
 {
     const size_t N = 6 * st->n_views;
     double(*J)[6] = calloc(st->n_views, sizeof *J), *w = calloc(st->n_views, sizeof *w);
+    size_t *view = calloc(st->n_views, sizeof *view);
     sheen_status s = SHEEN_OK;
     memset(st->A, 0, N * N * sizeof *st->A);
     memset(st->b, 0, N * sizeof *st->b);
-    if (!J || !w)
+    sheen_align_set_gains(st);
+    if (!J || !w || !view)
         s = sheen_fail_memory(err, 60.0 * (double)st->n_views, "poses");
     for (size_t i = (size_t)st->parity; i < st->n_points && !s; i += 2)
-        add_point(st, i, J, w);
+        add_point(st, i, J, w, view);
     free(J);
     free(w);
+    free(view);
     for (size_t v = 0; v < st->n_views; v++)
         for (size_t k = 0; k < 6; k++) {
             const double p = st->views[v].px_per[k] / st->views[v].prior_px;
@@ -124,42 +130,43 @@ static lit_point lit_at(const sheen_align_state *st, size_t view, size_t i, int 
     const sheen_align_observation *o = sheen_align_at(st, view, i);
     if (!o->valid)
         return (lit_point){0, 0, 0};
-    const double z = (double)o->rgb[c] * exp(-st->views[view].log_gain[c]);
+    const double z = (double)o->rgb[c] * st->views[view].per_gain[c];
     const double predicted = (double)st->points->predicted[3 * (view * st->n_points + i) + (size_t)c];
     return (lit_point){z, (double)o->weight / (st->scale * st->scale), z - predicted};
 }
 
-// A point's part of the normal equations of one channel's gains, its D eliminated.
-static void add_gains(sheen_align_state *st, size_t i, int c)
+// A point's part of the normal equations of one channel's gains, its D eliminated. lit, view: room for all views.
+static void add_gains(sheen_align_state *st, size_t i, int c, lit_point *lit, size_t *view)
 {
     const size_t N = st->n_views;
     double total = 0, mean = 0;
+    size_t n = 0;
     for (size_t v = 0; v < N; v++) {
-        const lit_point p = lit_at(st, v, i, c);
-        total += p.weight;
-        mean += p.weight * p.rest;
-    }
-    for (size_t v = 0; v < N && total > 0; v++) {
-        const lit_point p = lit_at(st, v, i, c);
-        if (!(p.weight > 0))
+        lit[n] = lit_at(st, v, i, c);
+        if (!(lit[n].weight > 0))
             continue;
-        st->b[v] += p.weight * p.z * (p.rest - mean / total);
-        st->A[v * (N + 1)] += p.weight * p.z * p.z;
-        for (size_t u = 0; u <= v; u++) {
-            const lit_point q = lit_at(st, u, i, c);
-            st->A[v * N + u] -= p.weight * q.weight / total * p.z * q.z;
-        }
+        total += lit[n].weight;
+        mean += lit[n].weight * lit[n].rest;
+        view[n++] = v;
+    }
+    for (size_t k = 0; k < n; k++) {
+        const double along = lit[k].weight * lit[k].z;
+        double *row = st->A + view[k] * N;
+        st->b[view[k]] += along * (lit[k].rest - mean / total);
+        row[view[k]] += along * lit[k].z;
+        for (size_t m = 0; m <= k; m++)
+            row[view[m]] -= along * lit[m].weight / total * lit[m].z;
     }
 }
 
 // Gains of one channel: linear least squares for the logarithms' change.
-static int solve_channel(sheen_align_state *st, int c)
+static int solve_channel(sheen_align_state *st, int c, lit_point *lit, size_t *view)
 {
     const size_t N = st->n_views;
     memset(st->A, 0, N * N * sizeof *st->A);
     memset(st->b, 0, N * sizeof *st->b);
     for (size_t i = (size_t)st->parity; i < st->n_points; i += 2)
-        add_gains(st, i, c);
+        add_gains(st, i, c, lit, view);
     // Their sum is held at 0: darkening all photographs together would lower every residual
     const double p = 1 / (st->prior_ev * log(2));
     double trace = 0;
@@ -180,15 +187,22 @@ static int solve_channel(sheen_align_state *st, int c)
 }
 
 // Their geometric mean is 1: the scale of light is nobody's to say.
-void sheen_align_solve_gains(sheen_align_state *st)
+sheen_status sheen_align_solve_gains(sheen_align_state *st, sheen_err *err)
 {
-    for (int c = 0; c < 3; c++) {
+    lit_point *lit = malloc((st->n_views + 1) * sizeof *lit);
+    size_t *view = malloc((st->n_views + 1) * sizeof *view);
+    sheen_align_set_gains(st);
+    for (int c = 0; c < 3 && lit && view; c++) {
         double mean = 0;
-        if (!solve_channel(st, c))
+        if (!solve_channel(st, c, lit, view))
             continue;
         for (size_t v = 0; v < st->n_views; v++)
             mean += st->views[v].log_gain[c] / (double)st->n_views;
         for (size_t v = 0; v < st->n_views; v++)
             st->views[v].log_gain[c] -= mean;
     }
+    const int had_room = lit && view;
+    free(lit);
+    free(view);
+    return had_room ? SHEEN_OK : sheen_fail_memory(err, 32.0 * (double)st->n_views, "exposures");
 }

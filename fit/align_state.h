@@ -4,6 +4,8 @@
 #ifndef SHEEN_FIT_ALIGN_STATE_H
 #define SHEEN_FIT_ALIGN_STATE_H
 
+#include <math.h>
+
 #include "base/pose3.h"
 #include "fit/align.h"
 #include "fit/align_points.h"
@@ -22,6 +24,7 @@ typedef struct sheen_align_observation {
 typedef struct sheen_align_pose {
     sheen_Rt Rt_cam_obj;
     double moved[6], log_gain[3];    // since the start
+    double per_gain[3];              // exp(-log_gain), by sheen_align_set_gains
     double prior_px;                 // of each number
     double centre_cam[3], px_per[6]; // about how many pixels a unit of each number moves the object's points
 } sheen_align_pose;
@@ -35,7 +38,8 @@ typedef struct sheen_align_state {
     double *A, *b, *scratch;
     double spacing_px, scale, prior_ev, white_lin;
     size_t n_views, n_points, i_view;
-    int parity; // points of this parity count
+    int parity;    // points of this parity count
+    size_t stride; // and of them every stride-th
 } sheen_align_state;
 
 static inline sheen_align_observation *sheen_align_at(const sheen_align_state *st, size_t view, size_t point)
@@ -43,7 +47,14 @@ static inline sheen_align_observation *sheen_align_at(const sheen_align_state *s
     return &st->seen[view * st->n_points + point];
 }
 
-// Looks every point up in every photograph by the present poses, through a 5 x 5 Gaussian. ECANCEL.
+static inline void sheen_align_set_gains(const sheen_align_state *st)
+{
+    for (size_t v = 0; v < st->n_views; v++)
+        for (int c = 0; c < 3; c++)
+            st->views[v].per_gain[c] = exp(-st->views[v].log_gain[c]);
+}
+
+// Looks every point of the stride up in every photograph by the present poses, through a 5 x 5 Gaussian. ECANCEL.
 sheen_status sheen_align_observe(sheen_align_state *st, sheen_err *err);
 // Luminances by the present gains, each point's D, residuals and weights, and their scale.
 void sheen_align_measure(sheen_align_state *st);
@@ -54,7 +65,7 @@ double sheen_align_settle(const sheen_align_state *st);
 sheen_status sheen_align_equations(sheen_align_state *st, sheen_err *err);
 // One step of all poses; *step_px: the largest rms motion. EDATA, ENOMEM.
 sheen_status sheen_align_move(sheen_align_state *st, double *step_px, sheen_err *err);
-// One step of all gains.
-void sheen_align_solve_gains(sheen_align_state *st);
+// One step of all gains. ENOMEM.
+sheen_status sheen_align_solve_gains(sheen_align_state *st, sheen_err *err);
 
 #endif

@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "calib/cholesky.h"
 
-enum { MAX_VIEWS = SHEEN_REFINED_MAX_VIEWS, TERMS = SHEEN_AMBIENT_TERMS };
+enum { MAX_VIEWS = SHEEN_REFINED_MAX_VIEWS, TERMS = SHEEN_AMBIENT_TERMS, PART_TEXELS = 30000, PIECES = 64 };
 
 static const double noise_lin = 0.01;    // of a photograph's sample, resampling included
 static const double lights_doubt = 0.15; // share by which a predicted highlight may be wrong
@@ -209,26 +209,76 @@ static void solve(sheen_surroundings *e, normal_equations *q)
     }
 }
 
-void sheen_surroundings_fit(sheen_surroundings *surroundings, int with_ambient, const sheen_texel_view *views,
-                            const sheen_view_light *lights, size_t n_views)
+// Every step-th texel, in PIECES pieces whose sums are added in their order.
+typedef struct part {
+    const sheen_surroundings *surroundings;
+    const sheen_texel_view *views;
+    const sheen_view_light *lights;
+    size_t n_views, n_texels, step;
+    int ambient; // 1: its terms; 0: F0
+    normal_equations equations[PIECES];
+    double cost[PIECES], weight[PIECES];
+} part;
+
+static part part_of(const sheen_surroundings *surroundings, const sheen_texel_view *views,
+                    const sheen_view_light *lights, size_t n_views)
 {
-    const size_t n_texels = n_views ? views[0].n_texels : 0, step = 1 + n_texels / 30000;
-    double f0_before = -1;
-    for (int round = 0; round < 8; round++) {
-        normal_equations q = {0};
-        for (size_t t = 0; t < n_texels; t += step) {
+    const size_t n_texels = n_views ? views[0].n_texels : 0;
+    return (part){.surroundings = surroundings,
+                  .views = views,
+                  .lights = lights,
+                  .n_views = n_views,
+                  .n_texels = n_texels,
+                  .step = 1 + n_texels / PART_TEXELS};
+}
+
+static void add_pieces(void *self, size_t begin, size_t end)
+{
+    part *p = self;
+    for (size_t piece = begin; piece < end; piece++) {
+        normal_equations *q = &p->equations[piece];
+        *q = (normal_equations){0};
+        for (size_t t = piece * p->step; t < p->n_texels; t += PIECES * p->step) {
             sample s[MAX_VIEWS];
             double w[MAX_VIEWS], mean[3];
-            const size_t n = gather(s, views, lights, n_views, t);
+            const size_t n = gather(s, p->views, p->lights, p->n_views, t);
             if (n < 2)
                 continue;
-            reweight(w, mean, s, n, surroundings, 2);
-            if (round % 2 || !with_ambient)
-                add_f0(&q, s, w, n, surroundings);
+            reweight(w, mean, s, n, p->surroundings, 2);
+            if (p->ambient)
+                add_ambient(q, s, w, n, p->surroundings);
             else
-                add_ambient(&q, s, w, n, surroundings);
+                add_f0(q, s, w, n, p->surroundings);
         }
-        if (round % 2 == 0 && with_ambient)
+    }
+}
+
+static normal_equations sum_of(const part *p)
+{
+    normal_equations sum = {0};
+    for (int piece = 0; piece < PIECES; piece++) {
+        const normal_equations *q = &p->equations[piece];
+        for (int k = 0; k < TERMS * TERMS; k++)
+            sum.A[k] += q->A[k];
+        for (int c = 0; c < 3; c++)
+            for (int k = 0; k < TERMS; k++)
+                sum.b[c][k] += q->b[c][k];
+        sum.f0_above += q->f0_above;
+        sum.f0_below += q->f0_below;
+    }
+    return sum;
+}
+
+void sheen_surroundings_fit(sheen_surroundings *surroundings, int with_ambient, const sheen_texel_view *views,
+                            const sheen_view_light *lights, size_t n_views, int n_threads)
+{
+    part p = part_of(surroundings, views, lights, n_views);
+    double f0_before = -1;
+    for (int round = 0; round < 8; round++) {
+        p.ambient = round % 2 == 0 && with_ambient;
+        sheen_parallel_for(PIECES, 1, n_threads, add_pieces, &p);
+        normal_equations q = sum_of(&p);
+        if (p.ambient)
             solve(surroundings, &q);
         else if (q.f0_below > 0)
             surroundings->f0 = fmin(1, fmax(0, q.f0_above / q.f0_below));
@@ -238,28 +288,42 @@ void sheen_surroundings_fit(sheen_surroundings *surroundings, int with_ambient, 
     }
 }
 
-double sheen_diffuse_cost(const sheen_surroundings *surroundings, const sheen_texel_view *views,
-                          const sheen_view_light *lights, size_t n_views)
+static void add_cost(double *cost, double *weight, const part *p, size_t t)
 {
-    const size_t n_texels = n_views ? views[0].n_texels : 0, step = 1 + n_texels / 30000;
+    sample s[MAX_VIEWS];
+    double w[MAX_VIEWS], mean[3], d[3], all = 0;
+    const size_t n = gather(s, p->views, p->lights, p->n_views, t);
+    if (n < 3)
+        return;
+    reweight(w, mean, s, n, p->surroundings, 2);
+    for (size_t i = 0; i < n; i++)
+        all += w[i];
+    for (size_t i = 0; i < n; i++) {
+        // Against the mean of the others
+        diffuse_of(d, &s[i], p->surroundings);
+        const double z = (luminance(d) - luminance(mean)) * all / ((all - w[i]) * outlier_lin);
+        *cost += s[i].weight * log1p(0.5 * z * z);
+        *weight += s[i].weight;
+    }
+}
+
+static void cost_pieces(void *self, size_t begin, size_t end)
+{
+    part *p = self;
+    for (size_t piece = begin; piece < end; piece++)
+        for (size_t t = piece * p->step; t < p->n_texels; t += PIECES * p->step)
+            add_cost(&p->cost[piece], &p->weight[piece], p, t);
+}
+
+double sheen_diffuse_cost(const sheen_surroundings *surroundings, const sheen_texel_view *views,
+                          const sheen_view_light *lights, size_t n_views, int n_threads)
+{
+    part p = part_of(surroundings, views, lights, n_views);
     double sum = 0, total = 0;
-    for (size_t t = 0; t < n_texels; t += step) {
-        sample s[MAX_VIEWS];
-        double w[MAX_VIEWS], mean[3], d[3];
-        const size_t n = gather(s, views, lights, n_views, t);
-        if (n < 3)
-            continue;
-        reweight(w, mean, s, n, surroundings, 2);
-        double all = 0;
-        for (size_t i = 0; i < n; i++)
-            all += w[i];
-        for (size_t i = 0; i < n; i++) {
-            // Against the mean of the others
-            diffuse_of(d, &s[i], surroundings);
-            const double z = (luminance(d) - luminance(mean)) * all / ((all - w[i]) * outlier_lin);
-            sum += s[i].weight * log1p(0.5 * z * z);
-            total += s[i].weight;
-        }
+    sheen_parallel_for(PIECES, 1, n_threads, cost_pieces, &p);
+    for (int piece = 0; piece < PIECES; piece++) {
+        sum += p.cost[piece];
+        total += p.weight[piece];
     }
     return total > 0 ? sum / total : 0;
 }

@@ -15,7 +15,7 @@ enum { SHEEN_REFINED_MAX_VIEWS = 64 };
 // the photographs of each texel, in which D falls out; a few reweighted rounds against outliers. Every k-th texel of those that
 // two photographs or more see. views, lights: [n_views].
 void sheen_surroundings_fit(sheen_surroundings *surroundings, int with_ambient, const sheen_texel_view *views,
-                            const sheen_view_light *lights, size_t n_views);
+                            const sheen_view_light *lights, size_t n_views, int n_threads);
 
 // I - F M of a texel that the view sees: what is left for its diffuse colour and the lights.
 void sheen_diffuse_and_lights(double rgb[3], const sheen_surroundings *surroundings,
@@ -24,7 +24,7 @@ void sheen_diffuse_and_lights(double rgb[3], const sheen_surroundings *surroundi
 // How badly each photograph of a texel is predicted by the others: mean Lorentzian of I_v - S_v - F_v M_v against the mean of the
 // rest. surroundings->present = 0: without F M.
 double sheen_diffuse_cost(const sheen_surroundings *surroundings, const sheen_texel_view *views,
-                          const sheen_view_light *lights, size_t n_views);
+                          const sheen_view_light *lights, size_t n_views, int n_threads);
 
 // D of every texel: the robust mean of I_v - S_v - F_v M_v, in which a view counts less where it is seen at a slant and where
 // much was taken off it. Texels that no view sees stay unseen. texture: of the same lattice; n_views in it is kept.

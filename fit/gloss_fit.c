@@ -9,7 +9,7 @@
 #include "fit/lamp_fit.h"
 #include "fit/robust.h"
 
-enum { MAX = SHEEN_GLOSS_MAX, FOLDS = 2, LLOYD = 8, ROUNDS = 9, SWEEPS = 30 };
+enum { MAX = SHEEN_GLOSS_MAX, FOLDS = 2, LLOYD = 8, ROUNDS = 9, SWEEPS = 30, CLUSTERED = 3000 };
 
 static const double worth_keeping = 0.97; // of what is wrong with fewer clusters
 static const double widest_scale =
@@ -25,7 +25,8 @@ typedef struct point {
 
 typedef struct points {
     point *at;
-    size_t n;
+    float (*weight)[MAX]; // [n] of the clusters in hand
+    size_t n, step;       // clusters of colours come from every step-th
     double scale;
 } points;
 
@@ -39,7 +40,7 @@ static double distance2(const float a[3], const float b[3])
 
 static void assign(points *p, const sheen_gloss *g)
 {
-    for (size_t i = 0; i < p->n; i++) {
+    for (size_t i = 0; i < p->n; i += p->step) {
         const float *root = p->at[i].sample->texture_root;
         int best = 0;
         for (int k = 1; k < g->n; k++)
@@ -54,7 +55,7 @@ static void measure(sheen_gloss *g, double (*spread2)[3], size_t *count, const p
 {
     double sum[MAX][3] = {{0}}, square[MAX][3] = {{0}};
     memset(count, 0, (size_t)g->n * sizeof *count);
-    for (size_t i = 0; i < p->n; i++) {
+    for (size_t i = 0; i < p->n; i += p->step) {
         const int k = p->at[i].cluster;
         count[k]++;
         for (int c = 0; c < 3; c++) {
@@ -113,10 +114,15 @@ static int add_cluster(sheen_gloss *g, points *p)
     return 1;
 }
 
-static double share_at(float weight[MAX], const sheen_gloss *g, const point *q)
+static void weigh(points *p, const sheen_gloss *g)
+{
+    for (size_t i = 0; i < p->n; i++)
+        sheen_gloss_weights(p->weight[i], g, p->at[i].sample->texture_root);
+}
+
+static double share_at(const sheen_gloss *g, const float weight[MAX])
 {
     double share = 0;
-    sheen_gloss_weights(weight, g, q->sample->texture_root);
     for (int k = 0; k < g->n; k++)
         share += (double)(weight[k] * g->share[k]);
     return share;
@@ -159,10 +165,10 @@ static void fit_shares(sheen_gloss *g, double *evidence, const points *p, int fo
         const double scale = fmax(p->scale, widest_scale / (1 << round));
         for (size_t i = 0; i < p->n; i++) {
             const point *q = &p->at[i];
-            float weight[MAX];
+            const float *weight = p->weight[i];
             if (is_left_out(q, fold))
                 continue;
-            const double r = residual(q, share_at(weight, g, q));
+            const double r = residual(q, share_at(g, weight));
             if (q->sample->clipped && r == 0) // a bound that holds says no more
                 continue;
             const double w = sheen_loss_weight(SHEEN_LOSS_LORENTZIAN, r, scale);
@@ -171,10 +177,13 @@ static void fit_shares(sheen_gloss *g, double *evidence, const points *p, int fo
             for (int k = 0; k < g->n; k++) {
                 const double x = w * (double)weight[k] * q->light;
                 b[k] += x * (double)q->sample->Y;
-                for (int m = 0; m < g->n; m++)
+                for (int m = 0; m <= k; m++)
                     A[k][m] += x * (double)weight[m] * q->light;
             }
         }
+        for (int k = 0; k < g->n; k++)
+            for (int m = 0; m < k; m++)
+                A[m][k] = A[k][m];
         solve(g, (const double(*)[MAX])A, b, below > 0 ? above / below : 1);
         for (int k = 0; evidence && k < g->n; k++)
             evidence[k] = A[k][k];
@@ -182,17 +191,17 @@ static void fit_shares(sheen_gloss *g, double *evidence, const points *p, int fo
 }
 
 // What the photographs left out are wrong by, each half predicted by the other.
-static double held_out_cost(const sheen_gloss *clusters, const points *p)
+static double held_out_cost(const sheen_gloss *clusters, points *p)
 {
     double sum = 0;
+    weigh(p, clusters);
     for (int fold = 0; fold < FOLDS; fold++) {
         sheen_gloss g = *clusters;
         fit_shares(&g, NULL, p, fold);
         for (size_t i = 0; i < p->n; i++) {
-            float weight[MAX];
             if (is_left_out(&p->at[i], fold))
-                sum += sheen_loss_rho(SHEEN_LOSS_LORENTZIAN,
-                                      residual(&p->at[i], share_at(weight, &g, &p->at[i])), p->scale);
+                sum += sheen_loss_rho(SHEEN_LOSS_LORENTZIAN, residual(&p->at[i], share_at(&g, p->weight[i])),
+                                      p->scale);
         }
     }
     return sum;
@@ -217,17 +226,24 @@ static void choose(sheen_gloss *best, points *p)
 sheen_status sheen_gloss_fit(sheen_gloss *out, double *strength, const sheen_lamp_samples *samples,
                              const float *predicted, double scale, sheen_err *err)
 {
-    points p = {.at = malloc((samples->count + 1) * sizeof *p.at), .scale = scale};
+    points p = {.at = malloc((samples->count + 1) * sizeof *p.at),
+                .weight = malloc((samples->count + 1) * sizeof *p.weight),
+                .scale = scale};
     *out = (sheen_gloss){0};
     *strength = 1;
-    if (!p.at)
+    if (!p.at || !p.weight) {
+        free(p.at);
+        free(p.weight);
         return sheen_fail_memory(err, (double)(samples->count * sizeof *p.at), "samples of gloss");
+    }
     for (size_t i = 0; i < samples->count; i++)
         if ((double)predicted[i] > scale)
             p.at[p.n++] = (point){.sample = &samples->at[i], .light = (double)predicted[i]};
+    p.step = 1 + p.n / CLUSTERED;
     choose(out, &p);
     if (out->n > 1) {
         double evidence[MAX], total = 0, most = 0;
+        weigh(&p, out);
         fit_shares(out, evidence, &p, -1);
         for (int k = 0; k < out->n; k++)
             total += evidence[k];
@@ -241,5 +257,6 @@ sheen_status sheen_gloss_fit(sheen_gloss *out, double *strength, const sheen_lam
         *out = (sheen_gloss){0};
     }
     free(p.at);
+    free(p.weight);
     return SHEEN_OK;
 }

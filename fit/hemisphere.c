@@ -5,29 +5,47 @@
 #include <stdlib.h>
 
 #include "base/image.h"
+#include "base/parallel.h"
 #include "base/vec.h"
 
-sheen_status sheen_partial_hemisphere_make(sheen_partial_hemisphere *out, const sheen_geodesic *g,
-                                           const sheen_residual *residual, sheen_err *err)
+typedef struct shots {
+    const sheen_geodesic *g;
+    const sheen_residual *residual;
+    uint32_t *node; // of each pixel
+} shots;
+
+static void shoot(void *self, size_t begin, size_t end)
 {
+    const shots *s = self;
+    for (size_t i = begin; i < end; i++) {
+        float mirror_world[3];
+        sheen_mirrorf(mirror_world, s->residual->pixels[i].n_world, s->residual->pixels[i].v_world);
+        s->node[i] = sheen_geodesic_nearest(s->g, mirror_world);
+    }
+}
+
+sheen_status sheen_partial_hemisphere_make(sheen_partial_hemisphere *out, const sheen_geodesic *g,
+                                           const sheen_residual *residual, int n_threads, sheen_err *err)
+{
+    shots s = {g, residual, malloc((residual->count + 1) * sizeof *s.node)};
     *out = (sheen_partial_hemisphere){.n_nodes = g->n_nodes};
     out->rgb = calloc(g->n_nodes * 3, sizeof *out->rgb);
     out->n_hits = calloc(g->n_nodes, sizeof *out->n_hits);
-    if (!out->rgb || !out->n_hits) {
+    if (!out->rgb || !out->n_hits || !s.node) {
+        free(s.node);
         sheen_partial_hemisphere_release(out);
         return sheen_fail_memory(err, 16.0 * (double)g->n_nodes, "a partial hemisphere");
     }
+    sheen_parallel_for(residual->count, 4096, n_threads, shoot, &s);
     for (size_t i = 0; i < residual->count; i++) {
-        const sheen_residual_pixel *p = &residual->pixels[i];
-        float mirror_world[3];
-        sheen_mirrorf(mirror_world, p->n_world, p->v_world);
-        const uint32_t node = sheen_geodesic_nearest(g, mirror_world);
+        const uint32_t node = s.node[i];
         if (node == UINT32_MAX)
             continue;
         for (int c = 0; c < 3; c++)
-            out->rgb[3 * node + (uint32_t)c] += p->rgb[c];
+            out->rgb[3 * node + (uint32_t)c] += residual->pixels[i].rgb[c];
         out->n_hits[node]++;
     }
+    free(s.node);
     for (size_t i = 0; i < 3 * g->n_nodes; i++)
         if (out->n_hits[i / 3])
             out->rgb[i] /= (float)out->n_hits[i / 3];

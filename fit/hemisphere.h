@@ -20,7 +20,7 @@ typedef struct sheen_partial_hemisphere {
 } sheen_partial_hemisphere;
 
 sheen_status sheen_partial_hemisphere_make(sheen_partial_hemisphere *out, const sheen_geodesic *g,
-                                           const sheen_residual *residual, sheen_err *err);
+                                           const sheen_residual *residual, int n_threads, sheen_err *err);
 void sheen_partial_hemisphere_release(sheen_partial_hemisphere *p);
 
 // All views together.

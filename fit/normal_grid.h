@@ -15,9 +15,10 @@
 
 typedef struct sheen_normal_grid {
     int texels_per_edge; // of the map
-    size_t n_triangles, n_nodes, n_links;
-    uint32_t *node; // [n_triangles * texels] of each of the map's texels
-    uint32_t *link; // [n_links][2] neighbours
+    size_t n_triangles, n_nodes;
+    uint32_t *node;      // [n_triangles * texels] of each of the map's texels
+    uint32_t *first;     // [n_nodes + 1] where a node's neighbours begin
+    uint32_t *neighbour; // every link from both its ends
 } sheen_normal_grid;
 
 // What one place on the surface says.
@@ -37,8 +38,9 @@ sheen_status sheen_normal_grid_init(sheen_normal_grid *g, const sheen_mesh *mesh
                                     sheen_err *err);
 void sheen_normal_grid_release(sheen_normal_grid *g);
 
-// Improves d[n_nodes][3] in place, by conjugate gradients from where it is. ENOMEM.
+// Improves d[n_nodes][3] in place, by conjugate gradients from where it is. The result does not depend on n_threads. ENOMEM.
 sheen_status sheen_normal_grid_solve(float *d, const sheen_normal_grid *g, const sheen_normal_row *rows,
-                                     size_t n_rows, const sheen_normal_prior *prior, sheen_err *err);
+                                     size_t n_rows, const sheen_normal_prior *prior, int n_threads,
+                                     sheen_err *err);
 
 #endif

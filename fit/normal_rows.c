@@ -255,26 +255,43 @@ static int make_row(sheen_normal_row *row, const sheen_normal_texel *texel, cons
     return H[0] + H[2] > 0;
 }
 
-size_t sheen_normal_rows_make(sheen_normal_row *rows, const sheen_normal_samples *s,
-                              const sheen_normal_grid *grid, int texture_texels_per_edge, int fold_out,
-                              int n_folds)
+typedef struct rows_job {
+    sheen_normal_row *rows; // of each texel; without weight where it says nothing
+    const sheen_normal_samples *s;
+    const sheen_normal_grid *grid;
+    int texture_texels_per_edge, fold_out, n_folds;
+} rows_job;
+
+static void make_rows(void *self, size_t begin, size_t end)
 {
-    size_t n = 0;
-    const sheen_texture lattice = {.texels_per_edge = grid->texels_per_edge,
-                                   .n_triangles = grid->n_triangles};
-    for (size_t t = 0; t < s->n_texels; t++) {
-        const sheen_normal_texel *texel = &s->texels[t];
-        sheen_normal_row *row = &rows[n];
-        if (!make_row(row, texel, s->samples + texel->first, texel[1].first - texel->first, fold_out,
-                      n_folds))
+    const rows_job *j = self;
+    const sheen_texture lattice = {.texels_per_edge = j->grid->texels_per_edge,
+                                   .n_triangles = j->grid->n_triangles};
+    for (size_t t = begin; t < end; t++) {
+        const sheen_normal_texel *texel = &j->s->texels[t];
+        sheen_normal_row *row = &j->rows[t];
+        memset(row->weight, 0, sizeof row->weight);
+        if (!make_row(row, texel, j->s->samples + texel->first, texel[1].first - texel->first, j->fold_out,
+                      j->n_folds))
             continue;
-        const sheen_hit hit = sheen_texel_hit(texture_texels_per_edge, texel->texel);
+        const sheen_hit hit = sheen_texel_hit(j->texture_texels_per_edge, texel->texel);
         size_t corner[3];
         sheen_texture_cell(corner, row->weight, &lattice, &hit);
         for (int k = 0; k < 3; k++)
-            row->node[k] = grid->node[corner[k]];
-        n++;
+            row->node[k] = j->grid->node[corner[k]];
     }
+}
+
+size_t sheen_normal_rows_make(sheen_normal_row *rows, const sheen_normal_samples *s,
+                              const sheen_normal_grid *grid, int texture_texels_per_edge, int fold_out,
+                              int n_folds, int n_threads)
+{
+    size_t n = 0;
+    rows_job j = {rows, s, grid, texture_texels_per_edge, fold_out, n_folds};
+    sheen_parallel_for(s->n_texels, PIECE, n_threads, make_rows, &j);
+    for (size_t t = 0; t < s->n_texels; t++)
+        if (rows[t].weight[0] + rows[t].weight[1] + rows[t].weight[2] > 0)
+            rows[n++] = rows[t];
     return n;
 }
 
@@ -284,11 +301,10 @@ typedef struct prediction_job {
     const sheen_texture *normals;
     size_t step;
     int fold_out, n_folds;
-    double *cost, *weight; // of each piece
+    double *cost; // of each piece
 } prediction_job;
 
-static void predict_texel(double *cost, double *weight, const prediction_job *j,
-                          const sheen_normal_texel *texel)
+static void predict_texel(double *cost, const prediction_job *j, const sheen_normal_texel *texel)
 {
     sheen_normal_sample s[SHEEN_REFINED_MAX_VIEWS];
     const size_t n = texel[1].first - texel->first;
@@ -308,7 +324,6 @@ static void predict_texel(double *cost, double *weight, const prediction_job *j,
             continue;
         const double z = ((double)s[i].r - D) / (double)outlier_lin;
         *cost += (double)s[i].cosine * log1p(0.5 * z * z);
-        *weight += (double)s[i].cosine;
     }
 }
 
@@ -317,25 +332,23 @@ static void predict_pieces(void *self, size_t begin, size_t end)
     const prediction_job *j = self;
     for (size_t piece = begin; piece < end; piece++)
         for (size_t k = piece * PIECE; k < (piece + 1) * PIECE && k * j->step < j->s->n_texels; k++)
-            predict_texel(&j->cost[piece], &j->weight[piece], j, &j->s->texels[k * j->step]);
+            predict_texel(&j->cost[piece], j, &j->s->texels[k * j->step]);
 }
 
-sheen_status sheen_normal_prediction(double *cost, double *weight, const sheen_normal_samples *s,
+sheen_status sheen_normal_prediction(double *cost, const sheen_normal_samples *s,
                                      const sheen_refined_state *r, const sheen_texture *normals, int fold_out,
                                      int n_folds, sheen_err *err)
 {
     enum { MOST = 40000 };
-    prediction_job j = {s, r, normals, 1 + s->n_texels / MOST, fold_out, n_folds, NULL, NULL};
+    prediction_job j = {s, r, normals, 1 + s->n_texels / MOST, fold_out, n_folds, NULL};
     const size_t n_pieces = 1 + s->n_texels / j.step / PIECE;
-    j.cost = calloc(2 * n_pieces, sizeof *j.cost);
+    j.cost = calloc(n_pieces, sizeof *j.cost);
     if (!j.cost)
-        return sheen_fail_memory(err, 16.0 * (double)n_pieces, "predictions");
-    j.weight = j.cost + n_pieces;
+        return sheen_fail_memory(err, 8.0 * (double)n_pieces, "predictions");
     sheen_parallel_for(n_pieces, 1, r->o.n_threads, predict_pieces, &j);
-    for (size_t i = 0; i < n_pieces; i++) {
+    *cost = 0;
+    for (size_t i = 0; i < n_pieces; i++)
         *cost += j.cost[i];
-        *weight += j.weight[i];
-    }
     free(j.cost);
     return SHEEN_OK;
 }

@@ -37,11 +37,11 @@ void sheen_normal_samples_release(sheen_normal_samples *s);
 // One row a texel, [s->n_texels], from the views but those whose number leaves fold_out when divided by n_folds. Returns how many.
 size_t sheen_normal_rows_make(sheen_normal_row *rows, const sheen_normal_samples *s,
                               const sheen_normal_grid *grid, int texture_texels_per_edge, int fold_out,
-                              int n_folds);
+                              int n_folds, int n_threads);
 
-// How badly the views of fold_out are predicted, their D from the other views: adds to *cost the weighted sum of log(1 + z^2 / 2) over some
-// 40,000 texels, and to *weight the weights. normals: in place of the model's, about which s was taken. ENOMEM.
-sheen_status sheen_normal_prediction(double *cost, double *weight, const sheen_normal_samples *s,
+// How badly the views of fold_out are predicted, their D from the other views: the sum of log(1 + z^2 / 2), weighted by cosines, over some
+// 40,000 texels. normals: in place of the model's, about which s was taken. ENOMEM.
+sheen_status sheen_normal_prediction(double *cost, const sheen_normal_samples *s,
                                      const sheen_refined_state *r, const sheen_texture *normals, int fold_out,
                                      int n_folds, sheen_err *err);
 

@@ -69,9 +69,10 @@ static sheen_status make_hemisphere(run *r, sheen_err *err)
                                      err)))
             break;
         s = sheen_residual_make(&f->residuals[i], r->mesh, &f->model.texture, NULL, &f->gbuffers[i],
-                                &r->photos->cam, &r->photos->photos[i], err);
+                                &r->photos->cam, &r->photos->photos[i], r->o.n_threads, err);
         if (!s)
-            s = sheen_partial_hemisphere_make(&f->partials[i], &f->geodesic, &f->residuals[i], err);
+            s = sheen_partial_hemisphere_make(&f->partials[i], &f->geodesic, &f->residuals[i], r->o.n_threads,
+                                              err);
     }
     if (s || (s = sheen_hemisphere_combine(&f->combined, f->partials, f->n_views, (float)r->o.threshold_lin,
                                            (float)r->o.consistency, err)))

@@ -25,10 +25,10 @@ static void fit_surroundings(sheen_refined_state *r)
     sheen_surroundings *e = &r->f->model.surroundings;
     const size_t n = r->f->n_views;
     e->present = 1;
-    sheen_surroundings_fit(e, has(r, SHEEN_EXTENSION_AMBIENT), r->views, r->lights, n);
-    const double with = sheen_diffuse_cost(e, r->views, r->lights, n);
+    sheen_surroundings_fit(e, has(r, SHEEN_EXTENSION_AMBIENT), r->views, r->lights, n, r->o.n_threads);
+    const double with = sheen_diffuse_cost(e, r->views, r->lights, n, r->o.n_threads);
     e->present = 0;
-    const double without = sheen_diffuse_cost(e, r->views, r->lights, n);
+    const double without = sheen_diffuse_cost(e, r->views, r->lights, n, r->o.n_threads);
     e->present = with < worth_keeping * without;
 }
 

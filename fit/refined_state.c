@@ -128,33 +128,41 @@ sheen_status sheen_refined_light_views(sheen_refined_state *r, sheen_err *err)
     return s;
 }
 
-// Residuals are what the texture does not explain; here, nor what is mirrored.
-static void subtract_mirrored(sheen_refined_state *r, size_t i_view)
+typedef struct mirrored_job {
+    const sheen_refined_state *r;
+    size_t i_view;
+} mirrored_job;
+
+static void subtract_at(const sheen_refined_state *r, size_t i_view, sheen_residual_pixel *p)
 {
     const sheen_gbuffer *g = &r->f->gbuffers[i_view];
-    sheen_residual *residual = &r->f->residuals[i_view];
-    for (size_t i = 0; i < residual->count; i++) {
-        sheen_residual_pixel *p = &residual->pixels[i];
-        const size_t at = (size_t)(p->y_px - g->y0_px) * (size_t)g->width_px + (size_t)(p->x_px - g->x0_px);
-        float n_obj[3], v_obj[3], mirrored[3];
-        sheen_normal_map_surface(r->mesh, &r->f->model.normals, &g->hits[at], g->p_camera_obj, NULL, n_obj,
-                                 v_obj);
-        sheen_shade_mirrored(mirrored, &r->shading[i_view], p->p_obj, n_obj, v_obj, 1);
-        float root[3];
+    const size_t at = (size_t)(p->y_px - g->y0_px) * (size_t)g->width_px + (size_t)(p->x_px - g->x0_px);
+    float n_obj[3], v_obj[3], mirrored[3];
+    sheen_normal_map_surface(r->mesh, &r->f->model.normals, &g->hits[at], g->p_camera_obj, NULL, n_obj,
+                             v_obj);
+    sheen_shade_mirrored(mirrored, &r->shading[i_view], p->p_obj, n_obj, v_obj, 1);
+    float root[3];
+    for (int c = 0; c < 3; c++)
+        root[c] = (float)p->texture_root[c] / 255;
+    const float F = sheen_gloss_at_root(&r->f->model.gloss, root) *
+                    sheen_fresnel(r->f->model.surroundings.f0, sheen_dotf(n_obj, v_obj));
+    for (int c = 0; c < 3; c++)
+        p->rgb[c] -= F * mirrored[c];
+    if (r->f->model.irradiance.present) { // the texture is an albedo
+        float albedo[3], light[3];
+        sheen_texture_sample(&r->f->model.texture, &g->hits[at], albedo);
+        sheen_shade_irradiance(light, &r->shading[i_view], p->p_obj, n_obj);
         for (int c = 0; c < 3; c++)
-            root[c] = (float)p->texture_root[c] / 255;
-        const float F = sheen_gloss_at_root(&r->f->model.gloss, root) *
-                        sheen_fresnel(r->f->model.surroundings.f0, sheen_dotf(n_obj, v_obj));
-        for (int c = 0; c < 3; c++)
-            p->rgb[c] -= F * mirrored[c];
-        if (r->f->model.irradiance.present) { // the texture is an albedo
-            float albedo[3], light[3];
-            sheen_texture_sample(&r->f->model.texture, &g->hits[at], albedo);
-            sheen_shade_irradiance(light, &r->shading[i_view], p->p_obj, n_obj);
-            for (int c = 0; c < 3; c++)
-                p->rgb[c] -= albedo[c] * (light[c] - 1);
-        }
+            p->rgb[c] -= albedo[c] * (light[c] - 1);
     }
+}
+
+// Residuals are what the texture does not explain; here, nor what is mirrored.
+static void subtract_mirrored(void *self, size_t begin, size_t end)
+{
+    const mirrored_job *j = self;
+    for (size_t i = begin; i < end; i++)
+        subtract_at(j->r, j->i_view, &j->r->f->residuals[j->i_view].pixels[i]);
 }
 
 sheen_status sheen_refined_residuals(sheen_refined_state *r, sheen_err *err)
@@ -165,10 +173,13 @@ sheen_status sheen_refined_residuals(sheen_refined_state *r, sheen_err *err)
         sheen_residual_release(&f->residuals[i]);
         sheen_partial_hemisphere_release(&f->partials[i]);
         if ((s = sheen_residual_make(&f->residuals[i], r->mesh, &f->model.texture, &f->model.normals,
-                                     &f->gbuffers[i], &r->photos->cam, &r->photos->photos[i], err)))
+                                     &f->gbuffers[i], &r->photos->cam, &r->photos->photos[i], r->o.n_threads,
+                                     err)))
             break;
-        subtract_mirrored(r, i);
-        s = sheen_partial_hemisphere_make(&f->partials[i], &f->geodesic, &f->residuals[i], err);
+        mirrored_job j = {r, i};
+        sheen_parallel_for(f->residuals[i].count, 2048, r->o.n_threads, subtract_mirrored, &j);
+        s = sheen_partial_hemisphere_make(&f->partials[i], &f->geodesic, &f->residuals[i], r->o.n_threads,
+                                          err);
     }
     return s;
 }

@@ -15,7 +15,7 @@ static sheen_status fit_diffuse(sheen_refined_state *r, sheen_err *err)
     if (r->round > 0) {
         sheen_turning_shift(r, 1);
         sheen_surroundings_fit(&m->surroundings, sheen_extension_in(r->o.without, SHEEN_EXTENSION_AMBIENT),
-                               r->views, r->lights, r->f->n_views);
+                               r->views, r->lights, r->f->n_views, r->o.n_threads);
         sheen_turning_shift(r, -1);
         sheen_turning_lamps(&m->irradiance, &m->lights);
         m->irradiance.present = 0; // with other lamps, from the start

@@ -4,7 +4,9 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "base/parallel.h"
 #include "base/pose3.h"
 #include "base/vec.h"
 #include "fit/depth_edges.h"
@@ -77,27 +79,55 @@ static bool make_pixel(sheen_residual_pixel *out, const residual_view *view, int
     return true;
 }
 
+typedef struct rows_job {
+    const residual_view *view;
+    sheen_residual_pixel *pixels; // [height][width]
+    size_t *count;                // [height]
+} rows_job;
+
+static void make_rows(void *self, size_t begin, size_t end)
+{
+    const rows_job *j = self;
+    const size_t width = (size_t)j->view->g->width_px;
+    for (size_t y = begin; y < end; y++)
+        for (int x = 0; x < (int)width; x++)
+            j->count[y] += make_pixel(&j->pixels[y * width + j->count[y]], j->view, x, (int)y);
+}
+
+// Every row has its own room; then they are pushed together.
+static sheen_status make_pixels(sheen_residual *out, const residual_view *view, int n_threads, sheen_err *err)
+{
+    const size_t width = (size_t)view->g->width_px, height = (size_t)view->g->height_px;
+    rows_job j = {view, malloc((width * height + 1) * sizeof *out->pixels),
+                  calloc(height + 1, sizeof *j.count)};
+    out->pixels = j.pixels;
+    if (!j.pixels || !j.count) {
+        free(j.count);
+        sheen_residual_release(out);
+        return sheen_fail_memory(err, (double)(width * height * sizeof *out->pixels), "a residual image");
+    }
+    sheen_parallel_for(height, 8, n_threads, make_rows, &j);
+    for (size_t y = 0; y < height; y++) {
+        memmove(out->pixels + out->count, out->pixels + y * width, j.count[y] * sizeof *out->pixels);
+        out->count += j.count[y];
+    }
+    free(j.count);
+    sheen_residual_pixel *fitted = realloc(out->pixels, (out->count + 1) * sizeof *fitted);
+    if (fitted)
+        out->pixels = fitted;
+    return SHEEN_OK;
+}
+
 sheen_status sheen_residual_make(sheen_residual *out, const sheen_mesh *mesh, const sheen_texture *texture,
                                  const sheen_texture *normals, const sheen_gbuffer *g,
-                                 const sheen_camera *cam, const sheen_photo *photo, sheen_err *err)
+                                 const sheen_camera *cam, const sheen_photo *photo, int n_threads,
+                                 sheen_err *err)
 {
     *out = (sheen_residual){0};
     residual_view view = {mesh, texture, normals,
                           g,    photo,   .footprint_per_m = 1.0f / (float)cam->intrinsics[0]};
     sheen_Rt_from_rt(&view.Rt_world_obj, photo->rt_world_obj);
-    const size_t n_max = (size_t)g->width_px * (size_t)g->height_px;
-    if (!n_max)
-        return SHEEN_OK;
-    out->pixels = malloc(n_max * sizeof *out->pixels);
-    if (!out->pixels)
-        return sheen_fail_memory(err, (double)(n_max * sizeof *out->pixels), "a residual image");
-    for (int y = 0; y < g->height_px; y++)
-        for (int x = 0; x < g->width_px; x++)
-            out->count += make_pixel(&out->pixels[out->count], &view, x, y);
-    sheen_residual_pixel *fitted = realloc(out->pixels, (out->count ? out->count : 1) * sizeof *fitted);
-    if (fitted)
-        out->pixels = fitted;
-    return SHEEN_OK;
+    return make_pixels(out, &view, n_threads, err);
 }
 
 void sheen_residual_release(sheen_residual *r)

@@ -27,10 +27,11 @@ typedef struct sheen_residual {
     size_t count;
 } sheen_residual;
 
-// normals: see render/normal_map.h; NULL or empty: the mesh's.
+// normals: see render/normal_map.h; NULL or empty: the mesh's. The result does not depend on n_threads. ENOMEM.
 sheen_status sheen_residual_make(sheen_residual *out, const sheen_mesh *mesh, const sheen_texture *texture,
                                  const sheen_texture *normals, const sheen_gbuffer *g,
-                                 const sheen_camera *cam, const sheen_photo *photo, sheen_err *err);
+                                 const sheen_camera *cam, const sheen_photo *photo, int n_threads,
+                                 sheen_err *err);
 void sheen_residual_release(sheen_residual *r);
 
 #endif

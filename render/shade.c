@@ -145,7 +145,7 @@ void sheen_shade_lights(float rgb[3], const sheen_shading *s, const float p_obj[
     to_world(n, s, n_obj);
     to_world(v, s, v_obj);
     const float k_s = (float)s->model->k_s;
-    float sum = sheen_light_cells_sum(s->cells, n, v);
+    float sum = s->model->lights.count ? sheen_light_cells_sum(s->cells, n, v) : 0;
     if (s->model->shadows && sum * k_s > negligible_lin)
         sum = shadowed_sum(s, p_obj, n_obj, n, v);
     for (int c = 0; c < 3; c++)

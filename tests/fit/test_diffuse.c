@@ -99,7 +99,7 @@ static void finds_what_was_put_in(void **state)
         make(&m, 0.003, spoiled);
         const sheen_surroundings truth = m.e;
         m.e = (sheen_surroundings){.present = 1, .f0 = 0.04};
-        sheen_surroundings_fit(&m.e, 1, m.views, m.lights, N_VIEWS);
+        sheen_surroundings_fit(&m.e, 1, m.views, m.lights, N_VIEWS, 0);
         sheen_diffuse_fit(&m.texture, &m.e, m.views, m.lights, N_VIEWS, 2);
         print_message("F0 %.4f (0.06), room %.3f %.3f %.3f (0.5 0.4 0.4), texture within %.4f (median)\n",
                       m.e.f0, m.e.ambient_rgb[0][0], m.e.ambient_rgb[0][1], m.e.ambient_rgb[0][2],

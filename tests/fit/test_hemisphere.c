@@ -37,7 +37,7 @@ static void shots_land_in_the_mirror_direction(void **state)
     const float *at = g.v_world + 3 * node, below[3] = {0.6f, 0, -0.8f};
     sheen_residual_pixel pixels[3] = {pixel(at, 1, 0, 0.5f), pixel(at, 0, 1, 0.5f), pixel(below, 9, 9, 9)};
     const sheen_residual r = {pixels, 3};
-    assert_ok(sheen_partial_hemisphere_make(&p, &g, &r, &err), err);
+    assert_ok(sheen_partial_hemisphere_make(&p, &g, &r, 2, &err), err);
     for (uint32_t i = 0; i < g.n_nodes; i++)
         assert_int_equal(p.n_hits[i], i == node ? 2 : 0); // below the horizon: no node
     assert_close(p.rgb[3 * node], 0.5, 1e-6);             // the mean of the two

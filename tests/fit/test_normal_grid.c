@@ -62,7 +62,7 @@ static void rows_are_followed(void **state)
     for (int k = 0; k < 3; k++)
         row.node[k] = g.node[k];
     const sheen_normal_prior prior = {100, 20};
-    assert_ok(sheen_normal_grid_solve(d, &g, &row, 1, &prior, &err), err);
+    assert_ok(sheen_normal_grid_solve(d, &g, &row, 1, &prior, 2, &err), err);
     assert_close(0.5f * d[3 * row.node[0]] + 0.25f * d[3 * row.node[1]] + 0.25f * d[3 * row.node[2]], 0.02,
                  5e-4);
     size_t n_pulled = 0;
