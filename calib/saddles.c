@@ -14,7 +14,7 @@
 
 #include "base/order.h"
 #include "calib/homography.h"
-#include "calib/saddle_noise.h"
+#include "calib/saddle_polish.h"
 #include "calib/saddle_refine.h"
 
 enum { MAX_NEAR = 8, MIN_HALF_PX = 2, MAX_HALF_PX = 8, MIN_CONTRAST = 15 };
@@ -22,7 +22,7 @@ enum { MAX_NEAR = 8, MIN_HALF_PX = 2, MAX_HALF_PX = 8, MIN_CONTRAST = 15 };
 static const double NEAR_SQUARES = 1.7;
 static const double ADJACENT_SQUARES = 0.8; // the tags of the corner's own two white squares
 static const double WINDOW_OF_GAP = 0.9;
-static const double MAX_ASYMMETRY = 2;     // times the median of the frame's corners, and
+static const double ASYMMETRY_SIGMAS = 18; // of the mean square, beyond the frame's median
 static const double LEAST_ASYMMETRY = 2.5; // grey values: less than that does no harm
 
 typedef struct finder {
@@ -132,8 +132,14 @@ static bool looks_printed(const finder *f, const double H[9], const sheen_board_
     return contrast > MIN_CONTRAST && low[1] - high[0] > 0.5 * contrast;
 }
 
-static bool find_one(sheen_saddle *out, double *asymmetry, const finder *f, const sheen_board_corner *corner)
+// Half a turn's noise over that of the picture, for the corner's limit.
+typedef struct symmetry {
+    double asymmetry, n_pairs;
+} symmetry;
+
+static bool find_one(sheen_saddle *out, symmetry *sym, const finder *f, const sheen_board_corner *corner)
 {
+    sheen_saddle_polished fine;
     double H[9], q[2];
     if (!local_homography(H, f, corner->p_board) || !map_offset(q, H, corner->p_board, 0, 0))
         return false;
@@ -142,22 +148,27 @@ static bool find_one(sheen_saddle *out, double *asymmetry, const finder *f, cons
         return false;
     if (!looks_printed(f, H, corner, q))
         return false;
-    *out = (sheen_saddle){.row = corner->row, .col = corner->col, .q_px = {q[0], q[1]}};
+    if (!sheen_saddle_polish(&fine, f->grey, f->view->width_px, f->view->height_px, q, half))
+        return false;
+    *out = (sheen_saddle){.row = corner->row, .col = corner->col, .q_px = {fine.q_px[0], fine.q_px[1]}};
     memcpy(out->p_board, corner->p_board, sizeof out->p_board);
-    return sheen_saddle_noise(out->covariance, asymmetry, f->grey, f->view->width_px, f->view->height_px,
-                              out->q_px, half);
+    memcpy(out->covariance, fine.covariance, sizeof out->covariance);
+    *sym = (symmetry){fine.asymmetry, fine.n_pairs};
+    return true;
 }
 
-// Leaves corners out that have something in their window that does not belong to the board.
-static void drop_disturbed(sheen_board_view *view, const double *asymmetry, double *scratch)
+// Leaves corners out that have something in their window that does not belong to the board. Of n pairs of samples with
+// noise of variance v the mean square is v (1 +- sqrt(2 / n)).
+static void drop_disturbed(sheen_board_view *view, const symmetry *sym, double *scratch)
 {
     const size_t n = view->n_saddles;
-    memcpy(scratch, asymmetry, n * sizeof *scratch);
+    for (size_t i = 0; i < n; i++)
+        scratch[i] = sym[i].asymmetry;
     qsort(scratch, n, sizeof *scratch, sheen_ascending);
-    const double limit = n ? MAX_ASYMMETRY * fmax(LEAST_ASYMMETRY, scratch[n / 2]) : 0;
+    const double usual = n ? fmax(LEAST_ASYMMETRY, scratch[n / 2]) : 0;
     view->n_saddles = 0;
     for (size_t i = 0; i < n; i++)
-        if (asymmetry[i] <= limit)
+        if (sym[i].asymmetry <= usual * sqrt(1 + ASYMMETRY_SIGMAS * sqrt(2 / sym[i].n_pairs)))
             view->saddles[view->n_saddles++] = view->saddles[i];
 }
 
@@ -171,9 +182,13 @@ sheen_status sheen_saddles_find(sheen_board_view *view, const uint8_t *grey, con
     view->saddles = calloc(board->n_corners, sizeof *view->saddles);
     if (!view->saddles)
         return sheen_fail_memory(err, (double)board->n_corners * sizeof *view->saddles, "corners");
-    double *asymmetry = malloc((2 * board->n_corners + 1) * sizeof *asymmetry);
-    if (!asymmetry)
-        return sheen_fail_memory(err, 2 * (double)board->n_corners * sizeof *asymmetry, "corners");
+    symmetry *sym = malloc((board->n_corners + 1) * sizeof *sym);
+    double *scratch = malloc((board->n_corners + 1) * sizeof *scratch);
+    if (!sym || !scratch) {
+        free(sym);
+        free(scratch);
+        return sheen_fail_memory(err, 3 * (double)board->n_corners * sizeof *scratch, "corners");
+    }
     const finder f = {.view = view,
                       .grey = grey,
                       .board = board,
@@ -181,10 +196,11 @@ sheen_status sheen_saddles_find(sheen_board_view *view, const uint8_t *grey, con
                       .white_parity = (board->tags[0].row + board->tags[0].col) & 1};
     for (size_t i = 0; i < board->n_corners; i++)
         if (board->corners[i].printed &&
-            find_one(&view->saddles[view->n_saddles], &asymmetry[view->n_saddles], &f, &board->corners[i]))
+            find_one(&view->saddles[view->n_saddles], &sym[view->n_saddles], &f, &board->corners[i]))
             view->n_saddles++;
-    drop_disturbed(view, asymmetry, asymmetry + board->n_corners);
-    free(asymmetry);
+    drop_disturbed(view, sym, scratch);
+    free(sym);
+    free(scratch);
     return SHEEN_OK;
 }
 
