@@ -127,35 +127,40 @@ static void cell_middles(double *q_px, int n_cols, int n_rows, const sheen_camer
         }
 }
 
-static void find_sigma(sheen_calibration *c, const sheen_problem *p)
+// The uncertainty of the lens and over the image; NaN where it could not be had.
+static sheen_status find_uncertainty(sheen_calibration *c, const sheen_problem *p, sheen_err *err)
 {
-    enum { COVERAGE = SHEEN_COVERAGE_ROWS * SHEEN_COVERAGE_COLS, MAP = SHEEN_SIGMA_ROWS * SHEEN_SIGMA_COLS };
-    double q_px[2 * (COVERAGE + MAP + 1)], sigma_px[COVERAGE + MAP + 1];
+    enum {
+        COVERAGE = SHEEN_COVERAGE_ROWS * SHEEN_COVERAGE_COLS,
+        MAP = SHEEN_SIGMA_ROWS * SHEEN_SIGMA_COLS,
+        ALL = COVERAGE + MAP + 1
+    };
+    const size_t n_lens = (size_t)p->camera.n_intrinsics;
+    double q_px[2 * ALL], sigma_px[ALL];
+    c->lens_covariance = calloc(n_lens * n_lens, sizeof *c->lens_covariance);
+    if (!c->lens_covariance)
+        return sheen_fail_memory(err, (double)(n_lens * n_lens) * sizeof(double),
+                                 "the uncertainty of a lens");
     cell_middles(q_px, SHEEN_COVERAGE_COLS, SHEEN_COVERAGE_ROWS, &p->camera);
     cell_middles(q_px + (size_t)2 * COVERAGE, SHEEN_SIGMA_COLS, SHEEN_SIGMA_ROWS, &p->camera);
     double *centre_px = q_px + (size_t)2 * (COVERAGE + MAP);
     centre_px[0] = (p->camera.width_px - 1) / 2.0;
     centre_px[1] = (p->camera.height_px - 1) / 2.0;
-    c->sigma_centre_px = c->sigma_worst_px = (double)NAN;
-    if (sheen_problem_sigma(sigma_px, p, q_px, COVERAGE + MAP + 1, c->distance_m, c->noise_px, NULL))
-        for (int i = 0; i < COVERAGE + MAP + 1; i++)
-            sigma_px[i] = (double)NAN;
+    const sheen_uncertainty out = {.sigma_px = sigma_px,
+                                   .q_px = q_px,
+                                   .n = ALL,
+                                   .distance_m = c->distance_m,
+                                   .lens_covariance = c->lens_covariance};
+    const sheen_status s = sheen_problem_uncertainty(&out, p, c->noise_px, err);
+    for (size_t i = 0; i < n_lens * n_lens && s; i++)
+        c->lens_covariance[i] = (double)NAN;
+    for (int i = 0; i < ALL && s; i++)
+        sigma_px[i] = (double)NAN;
     c->sigma_centre_px = sigma_px[COVERAGE + MAP];
     memcpy(c->sigma_px, sigma_px + COVERAGE, sizeof c->sigma_px);
     c->sigma_worst_px = 0;
     for (int i = 0; i < COVERAGE && isfinite(c->sigma_worst_px); i++)
         c->sigma_worst_px = sigma_px[i] <= c->sigma_worst_px ? c->sigma_worst_px : sigma_px[i];
-}
-
-static sheen_status find_covariance(sheen_calibration *c, const sheen_problem *p, sheen_err *err)
-{
-    const size_t n = (size_t)p->camera.n_intrinsics;
-    c->lens_covariance = calloc(n * n, sizeof *c->lens_covariance);
-    if (!c->lens_covariance)
-        return sheen_fail_memory(err, (double)(n * n) * sizeof(double), "the uncertainty of a lens");
-    const sheen_status s = sheen_problem_lens_covariance(c->lens_covariance, p, c->noise_px, err);
-    for (size_t i = 0; i < n * n && s == SHEEN_EDATA; i++)
-        c->lens_covariance[i] = (double)NAN;
     return s == SHEEN_EDATA ? SHEEN_OK : s;
 }
 
@@ -179,13 +184,11 @@ static sheen_status run(sheen_calibration *c, sheen_calibrate_job *j, const shee
             break;
         s = enough(c, j->n_used, err);
     }
+    if (!s)
+        s = find_uncertainty(c, &p, err);
     if (!s) {
-        find_sigma(c, &p);
         sheen_calibration_bound(c);
-        s = find_covariance(c, &p, err);
-    }
-    if (!s) {
-        s = sheen_job_cross_validate(c, j, err);
+        s = sheen_job_cross_validate(c, j, &p, err);
     }
     if (!s) {
         sheen_calibration_judge(c);

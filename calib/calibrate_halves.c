@@ -56,7 +56,8 @@ static sheen_status normalise(double *error, const sheen_calibration *c, const s
         goto done;
     }
     for (int k = 0; k < 2 && !s; k++)
-        s = sheen_problem_lens_covariance(C[k], &p[k], noise_of(&p[k]), err);
+        s = sheen_problem_uncertainty(&(sheen_uncertainty){.lens_covariance = C[k]}, &p[k], noise_of(&p[k]),
+                                      err);
     if (!s)
         s = sheen_lens_grid_init(g, &half[0], c->distance_m, seen, c, err);
     if (!s)
@@ -82,7 +83,8 @@ done:
     return s == SHEEN_ENOMEM ? s : SHEEN_OK; // anything else says: not to be had
 }
 
-sheen_status sheen_job_cross_validate(sheen_calibration *c, const sheen_calibrate_job *j, sheen_err *err)
+sheen_status sheen_job_cross_validate(sheen_calibration *c, const sheen_calibrate_job *j,
+                                      const sheen_problem *whole, sheen_err *err)
 {
     const double none = (double)NAN;
     sheen_problem p[2] = {0};
@@ -92,7 +94,7 @@ sheen_status sheen_job_cross_validate(sheen_calibration *c, const sheen_calibrat
         return SHEEN_OK;
     sheen_status s = SHEEN_OK;
     for (int k = 0; k < 2 && !s; k++)
-        s = sheen_job_solve(&p[k], j, k, 2, err);
+        s = sheen_job_solve_from(&p[k], j, k, 2, whole, err);
     if (!s) {
         c->has_halves = true;
         if (sheen_camera_compare(&c->halves, &p[0].camera, &p[1].camera, c->distance_m, NULL))
@@ -110,18 +112,19 @@ static sheen_status predict_half(double *sum, int *n_out, const sheen_calibrate_
 {
     sheen_problem made = {0}, other = {0};
     int n_rejected;
+    double longest;
     sheen_status s = sheen_job_solve(&made, j, k, 2, err);
     if (!s)
         s = sheen_job_problem(&other, j, 1 - k, 2, err);
-    if (!s)
-        s = sheen_problem_seed(&other, j->board, j->chosen, err);
     if (!s) {
         other.camera = made.camera;
         memcpy(other.warp_m, made.warp_m, sizeof made.warp_m);
-        s = sheen_problem_solve(&other, SHEEN_PROBLEM_POSES, err);
+        s = sheen_problem_seed_poses(&other, j->board, j->chosen, err);
     }
     if (!s)
-        s = sheen_problem_reject(&n_rejected, &other, HELD_OUT_LIMIT, err);
+        s = sheen_problem_solve(&other, SHEEN_PROBLEM_POSES, err);
+    if (!s)
+        s = sheen_problem_reject(&n_rejected, &longest, &other, HELD_OUT_LIMIT, err);
     if (!s)
         s = sheen_problem_solve(&other, SHEEN_PROBLEM_POSES, err);
     const size_t n = (size_t)other.n_cols * (size_t)other.n_rows;

@@ -24,10 +24,15 @@ sheen_status sheen_job_problem(sheen_problem *p, const sheen_calibrate_job *j, i
 // The same, seeded, solved in stages and rid of outliers. EDATA where it does not converge.
 sheen_status sheen_job_solve(sheen_problem *p, const sheen_calibrate_job *j, int first, int step,
                              sheen_err *err);
+// The same, from the solution of all used views, without its outliers: much quicker.
+sheen_status sheen_job_solve_from(sheen_problem *p, const sheen_calibrate_job *j, int first, int step,
+                                  const sheen_problem *whole, sheen_err *err);
 void sheen_problem_release(sheen_problem *p);
 
-// Solves with the even and with the odd views and compares the two cameras (c->halves, c->normalised_error).
-sheen_status sheen_job_cross_validate(sheen_calibration *c, const sheen_calibrate_job *j, sheen_err *err);
+// Solves with the even and with the odd views, from `whole`, and compares the two cameras (c->halves,
+// c->normalised_error).
+sheen_status sheen_job_cross_validate(sheen_calibration *c, const sheen_calibrate_job *j,
+                                      const sheen_problem *whole, sheen_err *err);
 // Chooses j->lens by how well each model, solved with half of the views, predicts the other half; fills
 // c->candidates. Without enough views for that: opencv4.
 sheen_status sheen_job_choose_lens(sheen_calibration *c, sheen_calibrate_job *j,

@@ -261,44 +261,27 @@ static sheen_status normal_open(normal *n, const sheen_problem *p, sheen_err *er
     return s;
 }
 
-sheen_status sheen_problem_sigma(double *sigma_out_px, const sheen_problem *p, const double *q_px, size_t n,
-                                 double distance_m, double sigma_px, sheen_err *err)
-{
-    normal equations;
-    const sheen_status s = normal_open(&equations, p, err);
-    if (s)
-        return s;
-    for (size_t i = 0; i < n; i++)
-        sigma_out_px[i] = sigma_px * sigma_at(&equations.l, p, q_px + 2 * i, distance_m, equations.factor,
-                                              &equations.common);
-    normal_close(&equations);
-    return SHEEN_OK;
-}
-
 static void unpack(const layout *l, const sheen_problem *p, double *state)
 {
     mrcal_unpack_solver_state_vector(state, 1, 0, p->n_frames, 0, 0, l->selections, &l->lens);
 }
 
-sheen_status sheen_problem_lens_covariance(double *covariance, const sheen_problem *p, double sigma_px,
-                                           sheen_err *err)
+static sheen_status lens_covariance(double *covariance, normal *equations, const sheen_problem *p,
+                                    double sigma_px, sheen_err *err)
 {
-    normal equations;
-    sheen_status s = normal_open(&equations, p, err);
-    if (s)
-        return s;
-    const layout *l = &equations.l;
+    sheen_status s = SHEEN_OK;
+    const layout *l = &equations->l;
     const size_t n = (size_t)l->n_states, n_lens = (size_t)p->camera.n_intrinsics, held = held_core(l);
     const size_t at = (size_t)mrcal_state_index_intrinsics(0, 1, 0, p->n_frames, 0, 0, p->n_frames,
                                                            l->selections, &l->lens);
     memset(covariance, 0, n_lens * n_lens * sizeof *covariance);
     for (size_t i = held; i < n_lens && !s; i++) {
-        cholmod_dense *unit = cholmod_zeros(n, 1, CHOLMOD_REAL, &equations.common), *column = NULL;
+        cholmod_dense *unit = cholmod_zeros(n, 1, CHOLMOD_REAL, &equations->common), *column = NULL;
         if (unit) {
             double *b = unit->x;
             b[at + i - held] = 1;
             unpack(l, p, b); // both sides of the packed inverse are scaled
-            column = cholmod_solve(CHOLMOD_A, equations.factor, unit, &equations.common);
+            column = cholmod_solve(CHOLMOD_A, equations->factor, unit, &equations->common);
         }
         if (column) {
             double *b = column->x;
@@ -307,9 +290,24 @@ sheen_status sheen_problem_lens_covariance(double *covariance, const sheen_probl
                 covariance[i * n_lens + k] = sigma_px * sigma_px * b[at + k - held];
         } else
             s = sheen_fail_memory(err, (double)n * sizeof(double), "the uncertainty of a calibration");
-        cholmod_free_dense(&unit, &equations.common);
-        cholmod_free_dense(&column, &equations.common);
+        cholmod_free_dense(&unit, &equations->common);
+        cholmod_free_dense(&column, &equations->common);
     }
+    return s;
+}
+
+sheen_status sheen_problem_uncertainty(const sheen_uncertainty *out, const sheen_problem *p, double sigma_px,
+                                       sheen_err *err)
+{
+    normal equations;
+    sheen_status s = normal_open(&equations, p, err);
+    if (s)
+        return s;
+    for (size_t i = 0; i < out->n; i++)
+        out->sigma_px[i] = sigma_px * sigma_at(&equations.l, p, out->q_px + 2 * i, out->distance_m,
+                                               equations.factor, &equations.common);
+    if (out->lens_covariance)
+        s = lens_covariance(out->lens_covariance, &equations, p, sigma_px, err);
     normal_close(&equations);
     return s;
 }

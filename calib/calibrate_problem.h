@@ -36,16 +36,21 @@ static inline size_t sheen_problem_corners(const sheen_problem *p)
 // EDATA where nothing came out that is finite.
 sheen_status sheen_problem_solve(sheen_problem *p, sheen_problem_stage stage, sheen_err *err);
 
-// Standard deviation (px, largest direction) of the projection of n points at distance_m through the pixels
-// q_px[2n] of a solved problem, for corner noise of sigma_px per axis. EDATA where the normal equations cannot be
-// factorised.
-sheen_status sheen_problem_sigma(double *sigma_out_px, const sheen_problem *p, const double *q_px, size_t n,
-                                 double distance_m, double sigma_px, sheen_err *err);
+// What the noise of corners leaves uncertain.
+typedef struct sheen_uncertainty {
+    // Standard deviation (px, largest direction) of the projection of n points at distance_m through the pixels q_px[2n]
+    double *sigma_px; // [n]
+    const double *q_px;
+    size_t n; // may be 0
+    double distance_m;
+    // [m][m] of the lens parameters, m = camera.n_intrinsics; zero where the solve holds one. May be NULL
+    double *lens_covariance;
+} sheen_uncertainty;
 
-// Covariance [n][n] of the lens parameters (n = camera.n_intrinsics; zero where the solve holds one) of a solved
-// problem, for corner noise of sigma_px per axis. EDATA as above, ENOMEM.
-sheen_status sheen_problem_lens_covariance(double *covariance, const sheen_problem *p, double sigma_px,
-                                           sheen_err *err);
+// Of a solved problem, for corner noise of sigma_px per axis. EDATA where the normal equations cannot be factorised;
+// ENOMEM.
+sheen_status sheen_problem_uncertainty(const sheen_uncertainty *out, const sheen_problem *p, double sigma_px,
+                                       sheen_err *err);
 // dq_dlens[2][n_intrinsics]: how the projection of a point moves with the lens parameters.
 sheen_status sheen_lens_gradient(double *dq_dlens, const sheen_camera *camera, const double p_cam[3],
                                  sheen_err *err);

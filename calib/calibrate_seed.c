@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // calibrate_seed.c - focal length from homographies (Zhang 2000, section 3.1, with the principal point at the
-// image's centre, square pixels, no distortion), and poses from the same homographies.
+// image's centre, square pixels, no distortion), and poses from the same homographies; or poses alone where the lens is
+// known, from homographies to undistorted directions.
 #include "calib/calibrate_seed.h"
 
 #include <math.h>
@@ -64,6 +65,20 @@ static double focal_length(double (*H)[9], int n_frames)
     return f > 0.2 && f < 20 ? f : usual;
 }
 
+// The pose of frame i of the problem, whose H maps board (x, y) to (X/Z, Y/Z).
+static sheen_status seed_pose(sheen_problem *p, int i, const double H[9], const sheen_board *board,
+                              const sheen_board_view *view, sheen_err *err)
+{
+    sheen_Rt Rt_cam_board;
+    double rt_cam_board[6], rt_board_grid[6];
+    if (!sheen_homography_pose(&Rt_cam_board, H, view->saddles[0].p_board))
+        return sheen_fail(err, SHEEN_EDATA, "the board in frame '%s' has no pose", view->name);
+    sheen_rt_board_grid(rt_board_grid, board);
+    sheen_rt_from_Rt(rt_cam_board, &Rt_cam_board);
+    sheen_rt_compose(p->rt_cam_grid + 6 * (size_t)i, rt_cam_board, rt_board_grid);
+    return SHEEN_OK;
+}
+
 sheen_status sheen_problem_seed(sheen_problem *p, const sheen_board *board,
                                 const sheen_board_view *const *views, sheen_err *err)
 {
@@ -80,22 +95,45 @@ sheen_status sheen_problem_seed(sheen_problem *p, const sheen_board *board,
     p->camera.intrinsics[0] = p->camera.intrinsics[1] = f * p->camera.width_px;
     p->camera.intrinsics[2] = (p->camera.width_px - 1) / 2.0;
     p->camera.intrinsics[3] = (p->camera.height_px - 1) / 2.0;
-    double rt_board_grid[6];
-    sheen_rt_board_grid(rt_board_grid, board);
-    for (int i = 0; i < p->n_frames; i++) {
+    for (int i = 0; i < p->n_frames && !s; i++) {
         for (int k = 0; k < 6; k++)
             H[i][k] /= f;
-        sheen_Rt Rt_cam_board;
-        double rt_cam_board[6];
-        if (!sheen_homography_pose(&Rt_cam_board, H[i], views[i]->saddles[0].p_board)) {
-            s = sheen_fail(err, SHEEN_EDATA, "the board in frame '%s' has no pose", views[i]->name);
-            goto done;
-        }
-        sheen_rt_from_Rt(rt_cam_board, &Rt_cam_board);
-        sheen_rt_compose(p->rt_cam_grid + 6 * (size_t)i, rt_cam_board, rt_board_grid);
+        s = seed_pose(p, i, H[i], board, views[i], err);
     }
 
 done:
     free(H);
+    return s;
+}
+
+sheen_status sheen_problem_seed_poses(sheen_problem *p, const sheen_board *board,
+                                      const sheen_board_view *const *views, sheen_err *err)
+{
+    const size_t n_max = (size_t)p->n_cols * (size_t)p->n_rows;
+    double *q_px = malloc(7 * n_max * sizeof *q_px);
+    if (!q_px)
+        return sheen_fail_memory(err, 7 * (double)n_max * sizeof *q_px, "a calibration");
+    double *xy = q_px + 2 * n_max, *v = xy + 2 * n_max; // v: directions, then (X/Z, Y/Z) in their place
+    sheen_status s = SHEEN_OK;
+    for (int i = 0; i < p->n_frames && !s; i++) {
+        const size_t n = views[i]->n_saddles;
+        double H[9];
+        for (size_t k = 0; k < n; k++) {
+            memcpy(q_px + 2 * k, views[i]->saddles[k].q_px, 2 * sizeof *q_px);
+            memcpy(xy + 2 * k, views[i]->saddles[k].p_board, 2 * sizeof *xy);
+        }
+        s = sheen_camera_unproject(&p->camera, v, q_px, n, err);
+        for (size_t k = 0; k < n && !s; k++) {
+            const double z = v[3 * k + 2];
+            v[2 * k] = v[3 * k] / z;
+            v[2 * k + 1] = v[3 * k + 1] / z;
+        }
+        if (!s && !sheen_homography_fit(H, xy, v, n))
+            s = sheen_fail(err, SHEEN_EDATA, "the corners in frame '%s' do not lie on a board",
+                           views[i]->name);
+        if (!s)
+            s = seed_pose(p, i, H, board, views[i], err);
+    }
+    free(q_px);
     return s;
 }

@@ -12,6 +12,10 @@
 sheen_status sheen_problem_seed(sheen_problem *p, const sheen_board *board,
                                 const sheen_board_view *const *views, sheen_err *err);
 
+// rt_cam_grid alone, for a lens that is known, p->camera. EDATA as above.
+sheen_status sheen_problem_seed_poses(sheen_problem *p, const sheen_board *board,
+                                      const sheen_board_view *const *views, sheen_err *err);
+
 // grid -> board, the constant pose between mrcal's frame of the corners and the board's.
 void sheen_rt_board_grid(double rt_board_grid[6], const sheen_board *board);
 

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 
 #include "base/progress.h"
 #include "calib/calibrate.h"
@@ -66,7 +67,16 @@ static void say(const char *who, const sheen_camera *found, const sheen_camera *
            ring_px[1], ring_px[2], wall_s, cpu_s);
 }
 
-static void run_mrcal(const problem *p, const sheen_camera *ours, double ours_wall_s, const char *folder)
+// Of all programs that were run and have ended.
+static double children_cpu_s(void)
+{
+    struct rusage u;
+    assert_int_equal(getrusage(RUSAGE_CHILDREN, &u), 0);
+    return (double)(u.ru_utime.tv_sec + u.ru_stime.tv_sec) +
+           1e-6 * (double)(u.ru_utime.tv_usec + u.ru_stime.tv_usec);
+}
+
+static void run_mrcal(const problem *p, const sheen_camera *ours, const double ours_s[2], const char *folder)
 {
     sheen_err err;
     sheen_camera theirs;
@@ -83,18 +93,21 @@ static void run_mrcal(const problem *p, const sheen_camera *ours, double ours_wa
              "--skip-outlier-rejection 'frame*.png' >log 2>&1",
              folder);
     const sheen_stopwatch start = sheen_stopwatch_now();
+    const double cpu_before_s = children_cpu_s();
     if (system(command)) {
         printf("  mrcal-calibrate-cameras failed\n");
         return;
     }
     const double wall_s = sheen_stopwatch_now().wall_s - start.wall_s;
+    const double cpu_s = children_cpu_s() - cpu_before_s;
     snprintf(path, sizeof path, "%s/camera-0.cameramodel", folder);
     assert_ok(sheen_camera_load(&theirs, path, &err), err);
-    say("mrcal-calibrate-cameras", &theirs, &p->truth, wall_s, (double)NAN);
+    say("mrcal-calibrate-cameras", &theirs, &p->truth, wall_s, cpu_s);
     assert_ok(sheen_camera_compare(&d, ours, &theirs, 0.4, &err), err);
-    printf(
-        "  ours and theirs differ by %.5f px rms (%.5f at most) as they are; ours takes %.3f of the time\n",
-        d.raw_rms_px, d.raw_max_px, ours_wall_s / wall_s);
+    printf("  ours and theirs differ by %.5f px rms (%.5f at most) as they are; ours takes %.3f of the time, "
+           "%.3f of "
+           "the processor's\n",
+           d.raw_rms_px, d.raw_max_px, ours_s[0] / wall_s, ours_s[1] / cpu_s);
 }
 
 static void run_opencv(const problem *p, const char *folder, int n_coefficients)
@@ -151,7 +164,7 @@ static void compare(const char *what, int n, double sigma_px, const double warp_
     assert_ok(sheen_calibrate(&c, &p.board, p.views, (size_t)n, &options, &err), err);
     const sheen_stopwatch end = sheen_stopwatch_now();
     say("sheen, with its report", &c.camera, &p.truth, end.wall_s - start.wall_s, end.cpu_s - start.cpu_s);
-    run_mrcal(&p, &c.camera, end.wall_s - start.wall_s, folder);
+    run_mrcal(&p, &c.camera, (const double[2]){end.wall_s - start.wall_s, end.cpu_s - start.cpu_s}, folder);
     run_opencv(&p, folder, 5);
     run_opencv(&p, folder, 8);
     sheen_calibration_release(&c);

@@ -13,7 +13,7 @@
 #include "support_board.h"
 #include "synthetic_views.h"
 
-enum { MAX_VIEWS = 24 };
+enum { MAX_VIEWS = 48 };
 
 typedef struct fixture {
     sheen_board board;
@@ -163,6 +163,42 @@ static void outliers_and_missing_corners_do_no_harm(void **state)
     assert_ok(sheen_camera_compare(&d, &c.camera, &f.truth, 0.36, &err), err);
     assert_close(d.moved_rms_px, 0, 0.1);
     sheen_calibration_release(&c);
+    release(&f);
+}
+
+// Of many frames a few are solved first. The result does not depend on them: here each fourth frame is face on and
+// like the others of these, and one of them is another board's.
+static void the_few_to_begin_with_do_not_matter(void **state)
+{
+    (void)state;
+    enum { N = 48 };
+    sheen_err err;
+    fixture f;
+    sheen_calibration c[2];
+    sheen_camera_difference d;
+    uint64_t seed = 5;
+    make(&f, N, 0.05, flat);
+    for (int i = 0; i < N; i += 4) {
+        double rt[6];
+        test_board_look(rt, (const double[2]){0.01, 0}, 0.36, 0.5, 10.0 * i, 0);
+        sheen_board_view_release(&f.views[i]);
+        test_view_make(&f.views[i], "face", &f.board, &f.truth, rt, 0.05, flat, &seed);
+    }
+    for (size_t k = 0; k < f.views[8].n_saddles; k++)
+        f.views[8].saddles[k].q_px[0] += 40 * (test_random(&seed) - 0.5);
+    assert_ok(sheen_calibrate(&c[0], &f.board, f.views, N, &usual, &err), err);
+    const sheen_board_view first = f.views[0]; // the others become the few
+    memmove(f.views, f.views + 1, (N - 1) * sizeof *f.views);
+    f.views[N - 1] = first;
+    assert_ok(sheen_calibrate(&c[1], &f.board, f.views, N, &usual, &err), err);
+    assert_int_equal(c[0].n_used, N - 1);
+    assert_int_equal(c[1].n_used, N - 1);
+    assert_ok(sheen_camera_compare(&d, &c[0].camera, &f.truth, 0.36, &err), err);
+    assert_close(d.moved_rms_px, 0, 0.03);
+    assert_ok(sheen_camera_compare(&d, &c[0].camera, &c[1].camera, 0.36, &err), err);
+    assert_close(d.raw_max_px, 0, 0.001);
+    for (int i = 0; i < 2; i++)
+        sheen_calibration_release(&c[i]);
     release(&f);
 }
 
@@ -391,6 +427,7 @@ int main(void)
         cmocka_unit_test(sigma_is_what_repeated_calibrations_scatter),
         cmocka_unit_test(finds_a_bent_board),
         cmocka_unit_test(outliers_and_missing_corners_do_no_harm),
+        cmocka_unit_test(the_few_to_begin_with_do_not_matter),
         cmocka_unit_test(a_frame_that_does_not_fit_is_left_out),
         cmocka_unit_test(every_model_works_and_others_are_refused),
         cmocka_unit_test(chooses_the_model_that_the_lens_needs),
