@@ -13,6 +13,7 @@ import {
     FloatType,
     GLSL3,
     HalfFloatType,
+    LinearFilter,
     Matrix3,
     Matrix4,
     Mesh,
@@ -83,7 +84,10 @@ function surroundingsUniforms(model: Model): RawShaderMaterial["uniforms"] {
     const bvh = model.shadows || around ? makeBvh(model.position) : null;
     const board = around?.board;
     const picture = board ? plain(new Texture(board.picture)) : null;
-    if (picture) picture.colorSpace = SRGBColorSpace;
+    if (picture) {
+        picture.colorSpace = SRGBColorSpace;
+        picture.magFilter = picture.minFilter = LinearFilter; // sRGB is decoded before
+    }
     return {
         nodes: { value: bvh && tableTexture(bvh.node) },
         triangles: { value: bvh && tableTexture(bvh.triangle) },

@@ -52,7 +52,7 @@ uniform bool mirrors; // the surroundings
 uniform mat3 worldFromObj;
 uniform vec3 worldOrigin; // of the object
 uniform vec3 ambient[9];
-uniform sampler2D board; // sRGB, over boardWhite
+uniform sampler2D board; // sRGB, over boardWhite; interpolated in linear light
 uniform vec4 boardPlace; // centre of pixel (0, 0), pixel size in metres (0: no board), white
 uniform vec3 tableRgb;
 uniform float f0;
@@ -180,13 +180,9 @@ vec3 fromAbove(vec3 d) {
 }
 
 vec3 boardAt(vec2 p) {
-    vec2 last = vec2(textureSize(board, 0) - 1), at = (p - boardPlace.xy) / boardPlace.z;
-    if (!(boardPlace.z > 0.0) || any(lessThan(at, vec2(0.0))) || any(greaterThan(at, last))) return tableRgb;
-    ivec2 i = min(ivec2(at), ivec2(last) - 1);
-    vec2 f = at - vec2(i);
-    vec3 low = mix(texelFetch(board, i, 0).rgb, texelFetch(board, i + ivec2(1, 0), 0).rgb, f.x);
-    vec3 high = mix(texelFetch(board, i + ivec2(0, 1), 0).rgb, texelFetch(board, i + ivec2(1, 1), 0).rgb, f.x);
-    return boardPlace.w * mix(low, high, f.y);
+    vec2 size = vec2(textureSize(board, 0)), at = (p - boardPlace.xy) / boardPlace.z;
+    if (!(boardPlace.z > 0.0) || any(lessThan(at, vec2(0.0))) || any(greaterThan(at, size - 1.0))) return tableRgb;
+    return boardPlace.w * textureLod(board, (at + 0.5) / size, 0.0).rgb;
 }
 
 // A Gaussian's spread (render/surroundings.c).
