@@ -68,21 +68,25 @@ typedef struct job {
     const sheen_draw_options *options;
     sheen_layers *out;
     sheen_shading shading;
-    int tile_px; // pixels a side that are worked on together
+    int width_px; // of the picture
+    int tile_px;  // pixels a side that are worked on together
 } job;
 
 // Sums over a pixel's samples.
 typedef struct sums {
-    float diffuse[3], specular[3], coverage, holes;
+    float diffuse[3], coverage, specular[3], holes;
 } sums;
 
 static void add_sample(sums *s, const sheen_tile *tile, int i, const sheen_draw_options *o)
 {
     const float *diffuse = tile->hole[i] && o->mark_holes ? o->hole_rgb : tile->diffuse[i];
-    for (int c = 0; c < 3; c++) {
-        s->diffuse[c] += diffuse[c];
-        s->specular[c] += tile->specular[i][c];
-    }
+    const float *specular = tile->specular[i];
+    s->diffuse[0] += diffuse[0];
+    s->diffuse[1] += diffuse[1];
+    s->diffuse[2] += diffuse[2];
+    s->specular[0] += specular[0];
+    s->specular[1] += specular[1];
+    s->specular[2] += specular[2];
     s->coverage += 1;
     s->holes += tile->hole[i] ? 1 : 0;
 }
@@ -114,23 +118,51 @@ static void put_pixels(const job *j, int x, int y, const sums *s, int n)
         holes[i] = s[i].holes * share;
 }
 
+static void fill(sheen_image *layer, int y, int begin, int end, const float value[4])
+{
+    const size_t n = (size_t)layer->n_channels, pixel_bytes = n * sizeof(float);
+    if (begin >= end)
+        return;
+    float *first = sheen_image_at(layer, begin, y);
+    memcpy(first, value, pixel_bytes);
+    for (size_t done = 1, count = (size_t)(end - begin); done < count; done *= 2) // what is filled fills on
+        memcpy(first + done * n, first, (done < count - done ? done : count - done) * pixel_bytes);
+}
+
+// Background over the pixels [begin, end) of a row.
+static void clear(const job *j, int y, int begin, int end)
+{
+    static const float black[4] = {0, 0, 0, 0};
+    const float *rgb = j->options->background_rgb, background[4] = {rgb[0], rgb[1], rgb[2], 0};
+    sheen_image *const layers[] = {&j->out->diffuse, &j->out->specular, &j->out->composite, &j->out->coverage,
+                                   &j->out->holes};
+    for (size_t i = 0; i < sizeof layers / sizeof *layers; i++)
+        if (layers[i]->data)
+            fill(layers[i], y, begin, end, layers[i] == &j->out->composite ? background : black);
+}
+
 // Pixels [x0, x0 + side) x [y0, y0 + side) of the window, cut to it.
 static void draw_tile(const job *j, int x0, int y0)
 {
     const sheen_gbuffer *g = j->g;
     const int n = g->samples_per_side, side = j->tile_px;
-    sheen_tile tile;
-    sheen_tile_gather(&tile, g, x0 * n, y0 * n, side * n);
-    if (tile.count) {
-        sheen_tile_diffuse(&tile, &j->shading, g->p_camera_obj);
-        sheen_tile_specular(&tile, &j->shading, g->p_camera_obj);
-    }
-    sums pixels[TILE_SAMPLES_PER_SIDE * TILE_SAMPLES_PER_SIDE];
     const int width = g->width_px - x0 < side ? g->width_px - x0 : side;
     const int height = g->height_px - y0 < side ? g->height_px - y0 : side;
+    sheen_tile tile;
+    sheen_tile_gather(&tile, g, x0 * n, y0 * n, side * n);
+    if (!tile.count) {
+        for (int y = 0; y < height; y++)
+            clear(j, g->y0_px + y0 + y, g->x0_px + x0, g->x0_px + x0 + width);
+        return;
+    }
+    sheen_tile_diffuse(&tile, &j->shading, g->p_camera_obj);
+    sheen_tile_specular(&tile, &j->shading, g->p_camera_obj);
+    sums pixels[TILE_SAMPLES_PER_SIDE * TILE_SAMPLES_PER_SIDE];
     memset(pixels, 0, (size_t)(side * side) * sizeof *pixels);
     for (int i = 0; i < tile.count; i++)
-        add_sample(pixels + (tile.y[i] / n) * side + tile.x[i] / n, &tile, i, j->options);
+        add_sample(pixels + (unsigned)tile.y[i] / (unsigned)n * (unsigned)side +
+                       (unsigned)tile.x[i] / (unsigned)n,
+                   &tile, i, j->options);
     for (int y = 0; y < height; y++)
         put_pixels(j, g->x0_px + x0, g->y0_px + y0 + y, pixels + y * side, width);
 }
@@ -143,31 +175,18 @@ static void draw_bands(void *self, size_t begin, size_t end)
             draw_tile(j, x, (int)band * j->tile_px);
 }
 
-static void fill(sheen_image *layer, int y, int begin, int end, const float value[4])
-{
-    for (int x = begin; x < end; x++)
-        for (int c = 0; c < layer->n_channels && c < 4; c++)
-            sheen_image_at(layer, x, y)[c] = value[c];
-}
-
 // What lies outside the window.
 static void clear_rows(void *self, size_t begin, size_t end)
 {
     const job *j = self;
     const sheen_gbuffer *g = j->g;
-    static const float black[4] = {0, 0, 0, 0};
-    const float *rgb = j->options->background_rgb, background[4] = {rgb[0], rgb[1], rgb[2], 0};
-    sheen_image *const layers[] = {&j->out->diffuse, &j->out->specular, &j->out->composite, &j->out->coverage,
-                                   &j->out->holes};
-    for (size_t i = 0; i < sizeof layers / sizeof *layers; i++)
-        for (size_t row = begin; row < end && layers[i]->data; row++) {
-            const int y = (int)row, width = layers[i]->width_px;
-            const float *value = layers[i] == &j->out->composite ? background : black;
-            const bool in_window = y >= g->y0_px && y < g->y0_px + g->height_px;
-            fill(layers[i], y, 0, in_window ? g->x0_px : width, value);
-            if (in_window)
-                fill(layers[i], y, g->x0_px + g->width_px, width, value);
-        }
+    for (int y = (int)begin; y < (int)end; y++) {
+        const bool in_window = y >= g->y0_px && y < g->y0_px + g->height_px;
+        const int width = j->width_px;
+        clear(j, y, 0, in_window ? g->x0_px : width);
+        if (in_window)
+            clear(j, y, g->x0_px + g->width_px, width);
+    }
 }
 
 static sheen_status room(sheen_image *layer, bool wanted, const sheen_camera *cam, int channels,
@@ -213,7 +232,7 @@ sheen_status sheen_redraw(sheen_layers *layers, const sheen_drawing *d, const sh
         return s;
     s = make_layers(layers, cam, o->layers ? o->layers : SHEEN_LAYERS_ALL, err);
     if (!s) {
-        job j = {.drawing = d, .g = &g, .options = o, .out = layers};
+        job j = {.drawing = d, .g = &g, .options = o, .out = layers, .width_px = cam->width_px};
         j.tile_px = samples < TILE_SAMPLES_PER_SIDE ? TILE_SAMPLES_PER_SIDE / samples : 1;
         sheen_shading_init(&j.shading, d->model, d->scene, d->cells, &d->lamps, rt_world_obj);
         sheen_parallel_for((size_t)cam->height_px, 16, o->n_threads, clear_rows, &j);

@@ -13,50 +13,71 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/cpu_level.h"
 #include "base/vec.h"
 
 #define MIN_FACING 0.01f
 // Light to which a sample's sum must agree with the single sum: a fiftieth of an 8-bit step.
 #define TOLERANCE_LIN 1e-4f
 
+// Morton's order of 16 x 16: x has the even bits of a number, y the odd ones. A smaller square comes first.
+static inline void morton(unsigned *x, unsigned *y, unsigned i)
+{
+    *x = (i & 1) | (i >> 1 & 2) | (i >> 2 & 4) | (i >> 3 & 8);
+    *y = (i >> 1 & 1) | (i >> 2 & 2) | (i >> 3 & 4) | (i >> 4 & 8);
+}
+
 void sheen_tile_gather(sheen_tile *tile, const sheen_gbuffer *g, int x0, int y0, int side)
 {
     const int columns = g->width_px * g->samples_per_side, rows = g->height_px * g->samples_per_side;
-    tile->count = 0;
+    const unsigned width = (unsigned)(columns - x0 < side ? columns - x0 : side),
+                   height = (unsigned)(rows - y0 < side ? rows - y0 : side);
+    const sheen_hit *first = g->hits + (size_t)y0 * (size_t)columns + (size_t)x0;
+    int count = 0;
     unsigned n = 1;
     while (n < (unsigned)(side * side)) // the next square of a power of two
         n *= 4;
     for (unsigned i = 0; i < n; i++) {
-        // Morton's order: x has the even bits of i, y the odd ones.
-        const int x = (int)((i & 1) | (i >> 1 & 2) | (i >> 2 & 4) | (i >> 3 & 8));
-        const int y = (int)((i >> 1 & 1) | (i >> 2 & 2) | (i >> 3 & 4) | (i >> 4 & 8));
-        if (x >= side || y >= side || x0 + x >= columns || y0 + y >= rows)
+        unsigned x, y;
+        morton(&x, &y, i);
+        if (x >= width || y >= height)
             continue;
-        const sheen_hit *hit = g->hits + (size_t)(y0 + y) * (size_t)columns + (size_t)(x0 + x);
-        if (hit->triangle == SHEEN_NO_HIT)
+        const sheen_hit *hit = first + (size_t)y * (size_t)columns + x;
+        tile->hits[count] = *hit; // overwritten by the next if it is none
+        tile->x[count] = (uint8_t)x;
+        tile->y[count] = (uint8_t)y;
+        count += hit->triangle != SHEEN_NO_HIT;
+    }
+    tile->count = count;
+}
+
+// Where the object turned, its texture is an albedo.
+static void light_diffuse(sheen_tile *tile, const sheen_shading *s, const double p_camera_obj[3])
+{
+    for (int i = 0; i < tile->count; i++) {
+        float p_obj[3], n_obj[3], e[3];
+        if (tile->hole[i])
             continue;
-        tile->hits[tile->count] = hit;
-        tile->x[tile->count] = (uint8_t)x;
-        tile->y[tile->count++] = (uint8_t)y;
+        sheen_normal_map_surface(&s->model->mesh, &s->model->normals, &tile->hits[i], p_camera_obj, p_obj,
+                                 n_obj, NULL);
+        sheen_shade_irradiance(e, s, p_obj, n_obj);
+        for (int c = 0; c < 3; c++)
+            tile->diffuse[i][c] *= e[c];
     }
 }
 
 void sheen_tile_diffuse(sheen_tile *tile, const sheen_shading *s, const double p_camera_obj[3])
 {
-    for (int i = 0; i < tile->count; i++) {
-        float *rgb = tile->diffuse[i];
-        tile->hole[i] = sheen_texture_sample(&s->model->texture, tile->hits[i], rgb) <= 0;
-        tile->gloss[i] = sheen_gloss_at(&s->model->gloss, rgb);
-        if (tile->hole[i] || !s->model->irradiance.present)
-            continue;
-        // Where the object turned, its texture is an albedo.
-        float p_obj[3], n_obj[3], e[3];
-        sheen_normal_map_surface(&s->model->mesh, &s->model->normals, tile->hits[i], p_camera_obj, p_obj,
-                                 n_obj, NULL);
-        sheen_shade_irradiance(e, s, p_obj, n_obj);
-        for (int c = 0; c < 3; c++)
-            rgb[c] *= e[c];
-    }
+    float seen[SHEEN_TILE_SAMPLES];
+    sheen_texture_samples(tile->diffuse[0], seen, &s->model->texture, tile->hits, (size_t)tile->count);
+    for (int i = 0; i < tile->count; i++)
+        tile->hole[i] = seen[i] <= 0;
+    for (int i = 0; i < tile->count && s->model->gloss.n; i++)
+        tile->gloss[i] = sheen_gloss_at(&s->model->gloss, tile->diffuse[i]);
+    for (int i = 0; i < tile->count && !s->model->gloss.n; i++)
+        tile->gloss[i] = 1;
+    if (s->model->irradiance.present)
+        light_diffuse(tile, s, p_camera_obj);
 }
 
 static bool seen_from_behind(const sheen_mesh *mesh, uint32_t triangle, const float v_obj[3])
@@ -89,12 +110,12 @@ static bool turn_to_camera(float n_obj[3], const float v_obj[3], float facing, c
 }
 
 // Normals and directions to the camera of all samples, in frame obj.
-static void surface(sheen_lobe_block *b, float facing[SHEEN_TILE_SAMPLES], const sheen_tile *tile,
-                    const sheen_mesh *mesh, const double p_camera_obj[3])
+SHEEN_KERNEL_INLINE void surface_body(sheen_lobe_block *b, float facing[SHEEN_TILE_SAMPLES],
+                                      const sheen_tile *tile, const sheen_mesh *mesh, const float camera[3])
 {
-    const float camera[3] = {(float)p_camera_obj[0], (float)p_camera_obj[1], (float)p_camera_obj[2]};
-    for (int i = 0; i < tile->count; i++) {
-        const sheen_hit *hit = tile->hits[i];
+    const int count = b->count = tile->count;
+    for (int i = 0; i < count; i++) {
+        const sheen_hit *hit = &tile->hits[i];
         const uint32_t *corner = mesh->triangles + 3 * (size_t)hit->triangle;
         const float b0 = 1 - hit->b1 - hit->b2, b1 = hit->b1, b2 = hit->b2;
         const float *n0 = mesh->n_obj + 3 * (size_t)corner[0], *p0 = mesh->p_obj + 3 * (size_t)corner[0];
@@ -107,8 +128,6 @@ static void surface(sheen_lobe_block *b, float facing[SHEEN_TILE_SAMPLES], const
         b->vy[i] = camera[1] - (b0 * p0[1] + b1 * p1[1] + b2 * p2[1]);
         b->vz[i] = camera[2] - (b0 * p0[2] + b1 * p1[2] + b2 * p2[2]);
     }
-    b->count = tile->count;
-    const int count = tile->count;
 #pragma omp simd
     for (int i = 0; i < count; i++) {
         const float n2 = b->nx[i] * b->nx[i] + b->ny[i] * b->ny[i] + b->nz[i] * b->nz[i];
@@ -124,13 +143,53 @@ static void surface(sheen_lobe_block *b, float facing[SHEEN_TILE_SAMPLES], const
     }
 }
 
+static void surface_baseline(sheen_lobe_block *b, float facing[SHEEN_TILE_SAMPLES], const sheen_tile *tile,
+                             const sheen_mesh *mesh, const float camera[3])
+{
+    surface_body(b, facing, tile, mesh, camera);
+}
+
+#if defined(__x86_64__)
+SHEEN_TARGET_AVX512 static void surface_avx512(sheen_lobe_block *b, float facing[SHEEN_TILE_SAMPLES],
+                                               const sheen_tile *tile, const sheen_mesh *mesh,
+                                               const float camera[3])
+{
+    surface_body(b, facing, tile, mesh, camera);
+}
+
+SHEEN_TARGET_AVX2 static void surface_avx2(sheen_lobe_block *b, float facing[SHEEN_TILE_SAMPLES],
+                                           const sheen_tile *tile, const sheen_mesh *mesh,
+                                           const float camera[3])
+{
+    surface_body(b, facing, tile, mesh, camera);
+}
+#endif
+
+static void surface(sheen_lobe_block *b, float facing[SHEEN_TILE_SAMPLES], const sheen_tile *tile,
+                    const sheen_mesh *mesh, const double p_camera_obj[3])
+{
+    const float camera[3] = {(float)p_camera_obj[0], (float)p_camera_obj[1], (float)p_camera_obj[2]};
+#if defined(__x86_64__)
+    const int level = sheen_cpu_level();
+    if (level >= SHEEN_CPU_AVX512) {
+        surface_avx512(b, facing, tile, mesh, camera);
+        return;
+    }
+    if (level == SHEEN_CPU_AVX2) {
+        surface_avx2(b, facing, tile, mesh, camera);
+        return;
+    }
+#endif
+    surface_baseline(b, facing, tile, mesh, camera);
+}
+
 // The normal map's part in it.
 static void bend(sheen_lobe_block *b, float facing[SHEEN_TILE_SAMPLES], const sheen_tile *tile,
                  const sheen_texture *normals)
 {
     for (int i = 0; i < tile->count && normals->n_triangles; i++) {
         float n[3] = {b->nx[i], b->ny[i], b->nz[i]};
-        sheen_normal_map_bend(n, normals, tile->hits[i]);
+        sheen_normal_map_bend(n, normals, &tile->hits[i]);
         b->nx[i] = n[0];
         b->ny[i] = n[1];
         b->nz[i] = n[2];
@@ -149,7 +208,7 @@ static void mend_outline(sheen_lobe_block *b, bool dark[SHEEN_TILE_SAMPLES],
             continue;
         float n[3] = {b->nx[i], b->ny[i], b->nz[i]};
         const float v[3] = {b->vx[i], b->vy[i], b->vz[i]};
-        dark[i] = !turn_to_camera(n, v, facing[i], mesh, tile->hits[i]->triangle);
+        dark[i] = !turn_to_camera(n, v, facing[i], mesh, tile->hits[i].triangle);
         b->nx[i] = n[0];
         b->ny[i] = n[1];
         b->nz[i] = n[2];
@@ -180,7 +239,7 @@ static void shade_each(sheen_tile *tile, const sheen_lobe_block *b, const bool *
         if (dark[i])
             continue;
         const float n_i[3] = {b->nx[i], b->ny[i], b->nz[i]}, v_i[3] = {b->vx[i], b->vy[i], b->vz[i]};
-        sheen_hit_surface(&s->model->mesh, tile->hits[i], p_camera_obj, p[count], NULL, NULL);
+        sheen_hit_surface(&s->model->mesh, &tile->hits[i], p_camera_obj, p[count], NULL, NULL);
         memcpy(n[count], n_i, sizeof n_i);
         memcpy(v[count], v_i, sizeof v_i);
         gloss[count] = tile->gloss[i];
@@ -203,9 +262,12 @@ static void shade_together(sheen_tile *tile, sheen_lobe_block *b, const bool *da
     turn_to_world(b->nx, b->ny, b->nz, b->count, s->R_world_obj);
     turn_to_world(b->vx, b->vy, b->vz, b->count, s->R_world_obj);
     sheen_lobe_block_sum(b, s->cells, TOLERANCE_LIN / fmaxf(most, 1e-6f));
-    for (int i = 0; i < tile->count; i++)
-        for (int c = 0; c < 3; c++)
-            tile->specular[i][c] = dark[i] ? 0 : rgb[c] * b->sum[i];
+    for (int i = 0; i < tile->count; i++) {
+        const float sum = dark[i] ? 0 : b->sum[i];
+        tile->specular[i][0] = rgb[0] * sum;
+        tile->specular[i][1] = rgb[1] * sum;
+        tile->specular[i][2] = rgb[2] * sum;
+    }
 }
 
 void sheen_tile_specular(sheen_tile *tile, const sheen_shading *s, const double p_camera_obj[3])

@@ -14,7 +14,7 @@ enum { SHEEN_TILE_SAMPLES = SHEEN_LOBE_BLOCK, SHEEN_TILE_MAX_SIDE = 16 };
 // Samples of a square that see the object, in Morton order: neighbours stay together however the list is cut.
 typedef struct sheen_tile {
     int count;
-    const sheen_hit *hits[SHEEN_TILE_SAMPLES];
+    sheen_hit hits[SHEEN_TILE_SAMPLES];
     uint8_t x[SHEEN_TILE_SAMPLES], y[SHEEN_TILE_SAMPLES]; // sample within the square
     float diffuse[SHEEN_TILE_SAMPLES][3], specular[SHEEN_TILE_SAMPLES][3];
     float gloss[SHEEN_TILE_SAMPLES]; // by the texture's colour

@@ -26,12 +26,14 @@
 #include "render/lobe_math.h"
 
 // Below so many samples, or so many lights, summing each is cheaper than expanding.
-enum { LEAST_SAMPLES = 6, LEAST_LIGHTS = 48, MAX_HORIZON = 256, LANES = 16 };
-#define SPREAD_SIGMA 0.7f
+enum { LEAST_SAMPLES = 6, LEAST_LIGHTS = 48, MAX_HORIZON = 256, LANES = 16, MAX_REACHED = 2048 };
+#define SPREAD_SIGMA 1.0f
 #define RELATIVE_TOLERANCE 1e-3f
 #define LOG2_E 1.442695041f
-// Lists of a drawing's cells reach further by this.
-#define MARGIN_SIGMA 3.0f
+// Lists of a drawing's cells reach further by as many sigma: by the second up to so many radians in all.
+#define LEAST_MARGIN_SIGMA 3.0f
+#define MOST_MARGIN_SIGMA 6.0f
+#define MOST_MARGIN_RAD 0.3f
 // Widest lobe of which 5 sigma end before the polynomial of sine2_alpha2 does.
 #define NARROW_SIGMA_RAD 0.17f
 
@@ -40,7 +42,7 @@ typedef struct group {
     int begin, end;
     int extreme[4];                             // samples: the farthest along and against both tangents
     float n0[3], v0[3], across1[3], across2[3]; // the last two span n0's tangent plane
-    float spread;                               // greatest |n - n0|
+    float spread, spread_v;                     // greatest |n - n0|, |v - v0|
 } group;
 
 typedef struct sums {
@@ -50,16 +52,51 @@ typedef struct sums {
 
 static void mean_of(float out[3], const float *x, const float *y, const float *z, int begin, int end)
 {
-    out[0] = out[1] = out[2] = 0;
+    float sx = 0, sy = 0, sz = 0;
+#pragma omp simd reduction(+ : sx, sy, sz)
     for (int i = begin; i < end; i++) {
-        out[0] += x[i];
-        out[1] += y[i];
-        out[2] += z[i];
+        sx += x[i];
+        sy += y[i];
+        sz += z[i];
     }
+    out[0] = sx;
+    out[1] = sy;
+    out[2] = sz;
     sheen_normalizef(out);
 }
 
-static group group_of(const sheen_lobe_block *b, int begin, int end)
+// Non-negative floats order like their bits, and gcc 12 makes no branch of integers.
+SHEEN_KERNEL_INLINE int32_t bits_of(float x)
+{
+    int32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
+SHEEN_KERNEL_INLINE float root_of_bits(int32_t bits)
+{
+    float x;
+    memcpy(&x, &bits, sizeof x);
+    return sqrtf(x);
+}
+
+// Greatest distances from n0 and v0.
+SHEEN_KERNEL_INLINE void spreads_of(group *g, const sheen_lobe_block *b)
+{
+    int32_t most_n = 0, most_v = 0;
+#pragma omp simd reduction(max : most_n, most_v)
+    for (int i = g->begin; i < g->end; i++) {
+        const float nx = b->nx[i] - g->n0[0], ny = b->ny[i] - g->n0[1], nz = b->nz[i] - g->n0[2];
+        const float vx = b->vx[i] - g->v0[0], vy = b->vy[i] - g->v0[1], vz = b->vz[i] - g->v0[2];
+        const int32_t n2 = bits_of(nx * nx + ny * ny + nz * nz), v2 = bits_of(vx * vx + vy * vy + vz * vz);
+        most_n = n2 > most_n ? n2 : most_n;
+        most_v = v2 > most_v ? v2 : most_v;
+    }
+    g->spread = root_of_bits(most_n);
+    g->spread_v = root_of_bits(most_v);
+}
+
+SHEEN_KERNEL_INLINE group group_of(const sheen_lobe_block *b, int begin, int end)
 {
     group g = {.begin = begin, .end = end};
     mean_of(g.n0, b->nx, b->ny, b->nz, begin, end);
@@ -69,20 +106,92 @@ static group group_of(const sheen_lobe_block *b, int begin, int end)
     sheen_crossf(g.across1, g.n0, other);
     sheen_normalizef(g.across1);
     sheen_crossf(g.across2, g.n0, g.across1);
-    float spread2 = 0, most[4] = {-1, -1, -1, -1};
-    for (int i = begin; i < end; i++) {
-        const float d[3] = {b->nx[i] - g.n0[0], b->ny[i] - g.n0[1], b->nz[i] - g.n0[2]};
-        const float d1 = sheen_dotf(d, g.across1), d2 = sheen_dotf(d, g.across2), length2 = sheen_dotf(d, d);
-        const float along[4] = {d1, -d1, d2, -d2};
-        spread2 = length2 > spread2 ? length2 : spread2;
+    spreads_of(&g, b);
+    return g;
+}
+
+// The samples that lie farthest along and against both tangents; these are square to n0.
+SHEEN_KERNEL_INLINE void find_extremes(group *g, const sheen_lobe_block *b)
+{
+    float d1[SHEEN_LOBE_BLOCK], d2[SHEEN_LOBE_BLOCK], most[4] = {-1, -1, -1, -1};
+#pragma omp simd
+    for (int i = g->begin; i < g->end; i++) {
+        d1[i] = b->nx[i] * g->across1[0] + b->ny[i] * g->across1[1] + b->nz[i] * g->across1[2];
+        d2[i] = b->nx[i] * g->across2[0] + b->ny[i] * g->across2[1] + b->nz[i] * g->across2[2];
+    }
+    for (int i = g->begin; i < g->end; i++) {
+        const float along[4] = {d1[i], -d1[i], d2[i], -d2[i]};
         for (int k = 0; k < 4; k++)
             if (along[k] > most[k]) {
                 most[k] = along[k];
-                g.extreme[k] = i;
+                g->extreme[k] = i;
             }
     }
-    g.spread = sqrtf(spread2);
-    return g;
+}
+
+// The lights of a list that can count at some sample of a group.
+typedef struct reached {
+    uint16_t index[MAX_REACHED + LANES];
+    size_t count;
+} reached;
+
+// A sample's n differs from n0 by spread, and its bisector of v and l from that of v0 and l by at most
+// 2 spread_v / |l + v0|: alpha changes by no more than both. A light counts up to 5 sigma, so it does at no
+// sample unless |n0 x (l + v0)| = sin(alpha0) |l + v0| is below (5 sigma + spread) |l + v0| + 2 spread_v.
+SHEEN_KERNEL_INLINE void find_reached(reached *out, const sheen_lights *list, const group *g, float sigma_rad,
+                                      int fused)
+{
+    const float nx = g->n0[0], ny = g->n0[1], nz = g->n0[2], vx = g->v0[0], vy = g->v0[1], vz = g->v0[2];
+    const float reach = SHEEN_LOBE_REACH_SIGMA * sigma_rad + 1.05f * g->spread, by_v = 2 * g->spread_v;
+    const float horizon = -1.05f * g->spread;
+    size_t n = 0;
+    for (size_t begin = 0; begin < list->count; begin += LANES) { // lists are whole vectors
+        const float *dx = list->dx + begin, *dy = list->dy + begin, *dz = list->dz + begin,
+                    *weight = list->weight + begin;
+        uint16_t counts[LANES];
+#pragma omp simd
+        for (int i = 0; i < LANES; i++) {
+            const float n_dot_l = sheen_mad(nx, dx[i], sheen_mad(ny, dy[i], nz * dz[i], fused), fused);
+            const float sx = dx[i] + vx, sy = dy[i] + vy, sz = dz[i] + vz;
+            const float cx = sheen_mad(ny, sz, -nz * sy, fused), cy = sheen_mad(nz, sx, -nx * sz, fused),
+                        cz = sheen_mad(nx, sy, -ny * sx, fused);
+            const float across2 = sheen_mad(cx, cx, sheen_mad(cy, cy, cz * cz, fused), fused);
+            const float length2 = sheen_mad(sx, sx, sheen_mad(sy, sy, sz * sz, fused), fused);
+            const float most = sheen_mad(reach, sqrtf(length2), by_v, fused);
+            counts[i] = (across2 <= most * most) & (n_dot_l >= horizon) & (weight[i] > 0);
+        }
+        for (int i = 0; i < LANES; i++) {
+            out->index[n] = (uint16_t)(begin + (size_t)i);
+            n += counts[i];
+        }
+    }
+    out->count = n;
+}
+
+// Copies of them, for loops over lights.
+typedef struct near_lights {
+    float dx[MAX_REACHED + LANES], dy[MAX_REACHED + LANES], dz[MAX_REACHED + LANES],
+        weight[MAX_REACHED + LANES];
+    sheen_lights lights; // the arrays above, or the list itself where it is longer
+} near_lights;
+
+SHEEN_KERNEL_INLINE void copy_reached(near_lights *out, const sheen_lights *list, const group *g,
+                                      float sigma_rad, int fused)
+{
+    reached found;
+    out->lights = *list;
+    if (list->count > MAX_REACHED)
+        return;
+    find_reached(&found, list, g, sigma_rad, fused);
+    const size_t whole = (found.count + LANES - 1) / LANES * LANES;
+    for (size_t i = 0; i < whole; i++) { // the last vector is filled up with a light of no weight
+        const size_t k = i < found.count ? found.index[i] : 0;
+        out->dx[i] = list->dx[k];
+        out->dy[i] = list->dy[k];
+        out->dz[i] = list->dz[k];
+        out->weight[i] = i < found.count ? list->weight[k] : 0;
+    }
+    out->lights = (sheen_lights){out->dx, out->dy, out->dz, out->weight, whole};
 }
 
 // P'(x) and P''(x) of lobe_alpha2; to 1e-5, which is enough for derivatives.
@@ -182,6 +291,13 @@ SHEEN_KERNEL_INLINE float sum_at(const sheen_lobe_block *b, int i, const sheen_l
     return near.count ? sheen_lobe_sum_body(&near, n, v, cells->sigma_rad, fused) : 0;
 }
 
+SHEEN_KERNEL_INLINE float sum_of(const sheen_lobe_block *b, int i, const sheen_lights *lights,
+                                 float sigma_rad, int fused)
+{
+    const float n[3] = {b->nx[i], b->ny[i], b->nz[i]}, v[3] = {b->vx[i], b->vy[i], b->vz[i]};
+    return sheen_lobe_sum_body(lights, n, v, sigma_rad, fused);
+}
+
 // Adds the lights which some of the group's normals have below their horizon and some above; 0: too many.
 SHEEN_KERNEL_INLINE int add_horizon(sheen_lobe_block *b, const group *g, const sheen_lights *near,
                                     float sigma_rad, int fused)
@@ -211,22 +327,18 @@ SHEEN_KERNEL_INLINE int add_horizon(sheen_lobe_block *b, const group *g, const s
 }
 
 // The expansion, if it holds.
-SHEEN_KERNEL_INLINE int by_expansion(sheen_lobe_block *b, const group *g, const sheen_light_cells *cells,
+SHEEN_KERNEL_INLINE int by_expansion(sheen_lobe_block *b, group *g, const sheen_lights *near, float sigma_rad,
                                      float tolerance, int fused)
 {
-    if (g->spread > SPREAD_SIGMA * cells->sigma_rad)
-        return 0;
-    float r0[3];
-    sheen_mirrorf(r0, g->n0, g->v0);
-    const sheen_lights near = sheen_lights_near(cells, r0);
-    const sums at = expand(g, &near, cells->sigma_rad, fused);
+    const sums at = expand(g, near, sigma_rad, fused);
     if (!(at.s > 1e-3f * tolerance))
         return 0;
     extrapolate(b, g, &at, fused);
-    if (at.horizon > 0.1f * tolerance && !add_horizon(b, g, &near, cells->sigma_rad, fused))
+    if (at.horizon > 0.1f * tolerance && !add_horizon(b, g, near, sigma_rad, fused))
         return 0;
+    find_extremes(g, b);
     for (int k = 0; k < 4; k++) {
-        const float exact = sum_at(b, g->extreme[k], cells, fused);
+        const float exact = sum_of(b, g->extreme[k], near, sigma_rad, fused);
         if (!(fabsf(b->sum[g->extreme[k]] - exact) <= fmaxf(tolerance, RELATIVE_TOLERANCE * exact)))
             return 0;
     }
@@ -250,19 +362,45 @@ static int worth_cutting(const group *g, float sigma_rad)
     return count >= LEAST_SAMPLES;
 }
 
-// Groups in a list of work, because an inlined function cannot call itself.
+// Whether one list of the cells serves all of a group's samples: a mirror direction turns by at most twice the normal's angle and the
+// view's, and a chord is shorter than its arc by 1 % at 30 degrees.
+static int shares_list(const group *g, const sheen_light_cells *cells)
+{
+    const float turn = 2 * g->spread + g->spread_v;
+    return !cells->side || (turn <= 0.98f * cells->margin_rad && turn < 0.5f);
+}
+
+SHEEN_KERNEL_INLINE void near_of(near_lights *out, const group *g, const sheen_light_cells *cells, int fused)
+{
+    float r0[3];
+    sheen_mirrorf(r0, g->n0, g->v0);
+    const sheen_lights list = sheen_lights_near(cells, r0);
+    copy_reached(out, &list, g, cells->sigma_rad, fused);
+}
+
+// Groups in a list of work, because an inlined function cannot call itself. The lights that a group reaches are
+// looked for once, for it and for those that it is cut into, which follow it on the list.
 SHEEN_KERNEL_INLINE void sum_wide(sheen_lobe_block *b, const sheen_light_cells *cells, float tolerance,
                                   int fused)
 {
-    int waiting[64][2] = {{0, b->count}}, n = 1;
+    int waiting[64][2] = {{0, b->count}}, n = 1, listed_from = b->count;
+    near_lights near;
     while (n) {
         const int begin = waiting[n - 1][0], end = waiting[n - 1][1], count = end - begin;
         n--;
-        const group g = group_of(b, begin, end);
-        if (count >= LEAST_SAMPLES && by_expansion(b, &g, cells, tolerance, fused))
+        group g = group_of(b, begin, end);
+        if (begin < listed_from && shares_list(&g, cells)) {
+            near_of(&near, &g, cells, fused);
+            listed_from = begin;
+        }
+        const int listed = begin >= listed_from;
+        if (count >= LEAST_SAMPLES && listed && g.spread <= SPREAD_SIGMA * cells->sigma_rad &&
+            by_expansion(b, &g, &near.lights, cells->sigma_rad, tolerance, fused))
             continue;
         if (!worth_cutting(&g, cells->sigma_rad)) {
-            one_by_one(b, begin, end, cells, fused);
+            for (int i = begin; i < end; i++)
+                b->sum[i] = listed ? sum_of(b, i, &near.lights, cells->sigma_rad, fused)
+                                   : sum_at(b, i, cells, fused);
             continue;
         }
         for (int k = 0; k < 4; k++) {
@@ -311,29 +449,26 @@ SHEEN_KERNEL_INLINE void add_light(float sum[LANES], const sheen_lobe_block *b, 
 // The samples [begin, begin + LANES) by one list of lights; 0 where their mirror directions lie too far apart.
 SHEEN_KERNEL_INLINE int by_lights(sheen_lobe_block *b, int begin, const sheen_light_cells *cells, int fused)
 {
-    float rx[LANES], ry[LANES], rz[LANES], r0[3], farthest = 0;
-#pragma omp simd
-    for (int i = 0; i < LANES; i++) {
-        const int k = begin + i;
-        const float twice = 2 * (b->nx[k] * b->vx[k] + b->ny[k] * b->vy[k] + b->nz[k] * b->vz[k]);
-        rx[i] = twice * b->nx[k] - b->vx[k];
-        ry[i] = twice * b->ny[k] - b->vy[k];
-        rz[i] = twice * b->nz[k] - b->vz[k];
-    }
-    mean_of(r0, rx, ry, rz, 0, LANES);
-    for (int i = 0; i < LANES; i++) {
-        const float d[3] = {rx[i] - r0[0], ry[i] - r0[1], rz[i] - r0[2]}, d2 = sheen_dotf(d, d);
-        farthest = d2 > farthest ? d2 : farthest;
-    }
-    const float margin = 0.98f * cells->margin_rad; // a chord is shorter than its arc: by 1 % at 30 degrees
-    if (cells->side && !(farthest <= margin * margin && margin < 0.5f))
+    const int mid = begin + 12; // of 4 x 4 in Morton order: place (2, 2)
+    group g = {.begin = begin, .end = begin + LANES, .n0 = {b->nx[mid], b->ny[mid], b->nz[mid]}};
+    g.v0[0] = b->vx[mid];
+    g.v0[1] = b->vy[mid];
+    g.v0[2] = b->vz[mid];
+    spreads_of(&g, b);
+    if (!shares_list(&g, cells))
         return 0;
-    const sheen_lights near = sheen_lights_near(cells, r0);
+    float r0[3], sum[LANES] = {0};
+    sheen_mirrorf(r0, g.n0, g.v0);
+    const sheen_lights list = sheen_lights_near(cells, r0);
+    reached near;
+    if (list.count > MAX_REACHED)
+        return 0;
+    find_reached(&near, &list, &g, cells->sigma_rad, fused);
     const float per_alpha2 = 0.5f * LOG2_E / (cells->sigma_rad * cells->sigma_rad);
-    float sum[LANES] = {0};
     for (size_t i = 0; i < near.count; i++) {
-        const float l[3] = {near.dx[i], near.dy[i], near.dz[i]};
-        add_light(sum, b, begin, l, near.weight[i], per_alpha2, fused);
+        const size_t k = near.index[i];
+        const float l[3] = {list.dx[k], list.dy[k], list.dz[k]};
+        add_light(sum, b, begin, l, list.weight[k], per_alpha2, fused);
     }
     memcpy(b->sum + begin, sum, sizeof sum);
     return 1;
@@ -401,7 +536,9 @@ SHEEN_TARGET_AVX512 static void sum_avx512(sheen_lobe_block *b, const sheen_ligh
 sheen_status sheen_lobe_block_cells(sheen_light_cells **out, const sheen_lights *lights, float sigma_rad,
                                     sheen_err *err)
 {
-    return sheen_light_cells_new_wide(out, lights, sigma_rad, MARGIN_SIGMA * sigma_rad, err);
+    const float most_rad = fminf(MOST_MARGIN_SIGMA * sigma_rad, MOST_MARGIN_RAD);
+    return sheen_light_cells_new_wide(out, lights, sigma_rad, fmaxf(LEAST_MARGIN_SIGMA * sigma_rad, most_rad),
+                                      err);
 }
 
 void sheen_lobe_block_sum_level(sheen_lobe_block *block, const sheen_light_cells *cells, float tolerance,

@@ -157,27 +157,26 @@ SHEEN_KERNEL_INLINE void draw_triangle(const raster *r, uint32_t triangle, int r
 SHEEN_KERNEL_INLINE void make_hits(const raster *r, sheen_hit *hits, const uint32_t *number, int x, int y,
                                    int count)
 {
-    float u[LANES][3], v[LANES][3], w[LANES][3], b1[LANES], b2[LANES], z_m[LANES];
+    vertex p[LANES], q[LANES], s[LANES];
+    float b1[LANES], b2[LANES], z_m[LANES];
     for (int i = 0; i < LANES; i++) {
         const size_t triangle = number[i] == SHEEN_NO_HIT ? 0 : number[i];
-        for (int k = 0; k < 3; k++) {
-            const vertex *p = r->vertices + r->mesh->triangles[3 * triangle + (size_t)k];
-            u[i][k] = p->u;
-            v[i][k] = p->v;
-            w[i][k] = p->w;
-        }
+        const uint32_t *corner = r->mesh->triangles + 3 * triangle;
+        p[i] = r->vertices[corner[0]];
+        q[i] = r->vertices[corner[1]];
+        s[i] = r->vertices[corner[2]];
     }
 #pragma omp simd
     for (int i = 0; i < LANES; i++) {
-        const float qu = u[i][1] - u[i][0], qv = v[i][1] - v[i][0];
-        const float su = u[i][2] - u[i][0], sv = v[i][2] - v[i][0];
-        const float du = (float)(x + i) - u[i][0], dv = (float)y - v[i][0], over = 1 / (qu * sv - qv * su);
+        const float qu = q[i].u - p[i].u, qv = q[i].v - p[i].v;
+        const float su = s[i].u - p[i].u, sv = s[i].v - p[i].v;
+        const float du = (float)(x + i) - p[i].u, dv = (float)y - p[i].v, over = 1 / (qu * sv - qv * su);
         // Weights in the picture; a rounding error outside the triangle is pulled in.
         const float l1 = (du * sv - dv * su) * over, l2 = (qu * dv - qv * du) * over;
         const float m1 = l1 > 0 ? l1 : 0, m2 = l2 > 0 ? l2 : 0;
         const float scale = m1 + m2 > 1 ? 1 / (m1 + m2) : 1;
-        const float w1 = m1 * scale * w[i][1], w2 = m2 * scale * w[i][2];
-        z_m[i] = 1 / ((1 - (m1 + m2) * scale) * w[i][0] + w1 + w2);
+        const float w1 = m1 * scale * q[i].w, w2 = m2 * scale * s[i].w;
+        z_m[i] = 1 / ((1 - (m1 + m2) * scale) * p[i].w + w1 + w2);
         b1[i] = w1 * z_m[i];
         b2[i] = w2 * z_m[i];
     }

@@ -10,7 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/cpu_level.h"
 #include "base/vec.h"
+
+enum { LANES = 16 };
 
 sheen_status sheen_texture_init(sheen_texture *t, size_t n_triangles, int texels_per_edge, sheen_err *err)
 {
@@ -127,16 +130,113 @@ static float mean_of_seen(const sheen_texture *t, const size_t texel[3], const f
     return seen < 1 ? seen : 1;
 }
 
+SHEEN_KERNEL_INLINE float sample_cell(const sheen_texture *t, const size_t texel[3], const float weight[3],
+                                      float rgb[3])
+{
+    const uint8_t *views = t->n_views;
+    if (!views[texel[0]] || !views[texel[1]] || !views[texel[2]])
+        return mean_of_seen(t, texel, weight, rgb);
+    const float *a = t->rgb + 3 * texel[0], *b = t->rgb + 3 * texel[1], *c = t->rgb + 3 * texel[2];
+    rgb[0] = weight[0] * a[0] + weight[1] * b[0] + weight[2] * c[0];
+    rgb[1] = weight[0] * a[1] + weight[1] * b[1] + weight[2] * c[1];
+    rgb[2] = weight[0] * a[2] + weight[1] * b[2] + weight[2] * c[2];
+    return 1;
+}
+
 float sheen_texture_sample(const sheen_texture *t, const sheen_hit *hit, float rgb[3])
 {
     size_t texel[3];
     float weight[3];
     cell_at(t, hit, texel, weight);
-    const uint8_t *views = t->n_views;
-    if (!views[texel[0]] || !views[texel[1]] || !views[texel[2]])
-        return mean_of_seen(t, texel, weight, rgb);
-    const float *a = t->rgb + 3 * texel[0], *b = t->rgb + 3 * texel[1], *c = t->rgb + 3 * texel[2];
-    for (int k = 0; k < 3; k++)
-        rgb[k] = weight[0] * a[k] + weight[1] * b[k] + weight[2] * c[k];
-    return 1;
+    return sample_cell(t, texel, weight, rgb);
+}
+
+// cell_at of LANES hits without a branch; texels are counted from the triangle's first.
+typedef struct cells {
+    int32_t texel[3][LANES];
+    float weight[3][LANES];
+} cells;
+
+SHEEN_KERNEL_INLINE void cells_at(cells *out, int T, const sheen_hit *hits)
+{
+    const int last = T - 1;
+#pragma omp simd
+    for (int k = 0; k < LANES; k++) {
+        const float a = hits[k].b1 * (float)last, b = hits[k].b2 * (float)last;
+        const int i0 = (int)a, j0 = (int)b, i1 = i0 < 0 ? 0 : i0, j1 = j0 < 0 ? 0 : j0;
+        const int i2 = i1 > last - 1 ? last - 1 : i1, j2 = j1 > last - 1 ? last - 1 : j1;
+        const int over = i2 + j2 > last - 1;
+        const int i = over & (i2 > 0) ? last - 1 - j2 : i2, j = over & (i2 <= 0) ? last - 1 - i2 : j2;
+        const float fi = a - (float)i, fj = b - (float)j, f = fi + fj;
+        const float scale = 1 / (f > 1 ? f : 1);
+        const int upright = (f <= 1) | (i + j == last - 1);
+        const int at = j * T - j * (j - 1) / 2 + i, above = at + T - j;
+        const float u1 = fi * scale, u2 = fj * scale;
+        out->texel[0][k] = upright ? at : above + 1;
+        out->texel[1][k] = at + 1;
+        out->texel[2][k] = above;
+        out->weight[0][k] = upright ? 1 - u1 - u2 : f - 1;
+        out->weight[1][k] = upright ? u1 : 1 - fj;
+        out->weight[2][k] = upright ? u2 : 1 - fi;
+    }
+}
+
+SHEEN_KERNEL_INLINE void samples(float *rgb, float *seen, const sheen_texture *t, const sheen_hit *hits,
+                                 size_t n)
+{
+    const size_t per_triangle = sheen_texels_per_triangle(t->texels_per_edge), whole = n / LANES * LANES;
+    for (size_t begin = 0; begin < whole; begin += LANES) {
+        cells c;
+        cells_at(&c, t->texels_per_edge, hits + begin);
+        for (size_t k = 0; k < LANES; k++) {
+            const size_t first = hits[begin + k].triangle * per_triangle;
+            const size_t texel[3] = {first + (size_t)c.texel[0][k], first + (size_t)c.texel[1][k],
+                                     first + (size_t)c.texel[2][k]};
+            const float weight[3] = {c.weight[0][k], c.weight[1][k], c.weight[2][k]};
+            seen[begin + k] = sample_cell(t, texel, weight, rgb + 3 * (begin + k));
+        }
+    }
+    for (size_t i = whole; i < n; i++)
+        seen[i] = sheen_texture_sample(t, &hits[i], rgb + 3 * i);
+}
+
+static void samples_baseline(float *rgb, float *seen, const sheen_texture *t, const sheen_hit *hits, size_t n)
+{
+    samples(rgb, seen, t, hits, n);
+}
+
+#if defined(__x86_64__)
+SHEEN_TARGET_AVX2 static void samples_avx2(float *rgb, float *seen, const sheen_texture *t,
+                                           const sheen_hit *hits, size_t n)
+{
+    samples(rgb, seen, t, hits, n);
+}
+
+SHEEN_TARGET_AVX512 static void samples_avx512(float *rgb, float *seen, const sheen_texture *t,
+                                               const sheen_hit *hits, size_t n)
+{
+    samples(rgb, seen, t, hits, n);
+}
+#endif
+
+void sheen_texture_samples_level(float *rgb, float *seen, const sheen_texture *t, const sheen_hit *hits,
+                                 size_t n, int level)
+{
+#if defined(__x86_64__)
+    if (level >= SHEEN_CPU_AVX512) {
+        samples_avx512(rgb, seen, t, hits, n);
+        return;
+    }
+    if (level == SHEEN_CPU_AVX2) {
+        samples_avx2(rgb, seen, t, hits, n);
+        return;
+    }
+#endif
+    (void)level;
+    samples_baseline(rgb, seen, t, hits, n);
+}
+
+void sheen_texture_samples(float *rgb, float *seen, const sheen_texture *t, const sheen_hit *hits, size_t n)
+{
+    sheen_texture_samples_level(rgb, seen, t, hits, n, sheen_cpu_level());
 }

@@ -59,6 +59,12 @@ void sheen_texture_cell(size_t texel[3], float weight[3], const sheen_texture *t
 // the seen ones, 0..1; 0: a hole, rgb is what it was filled with (black where it was not).
 float sheen_texture_sample(const sheen_texture *t, const sheen_hit *hit, float rgb[3]);
 
+// The same of n hits: rgb[n][3], seen[n].
+void sheen_texture_samples(float *rgb, float *seen, const sheen_texture *t, const sheen_hit *hits, size_t n);
+// The same at a given level of instruction set up to sheen_cpu_level().
+void sheen_texture_samples_level(float *rgb, float *seen, const sheen_texture *t, const sheen_hit *hits,
+                                 size_t n, int level);
+
 // The same surface with another number of texels an edge: means of the old texels about each new one; a new texel
 // is unseen where all of those are. Seams stay closed. EARG, ENOMEM.
 sheen_status sheen_texture_resample(sheen_texture *out, const sheen_texture *t, int texels_per_edge,

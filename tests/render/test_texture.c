@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // test_texture.c - the global texture: lattice, interpolation, seams, atlas.
+#include "base/cpu_level.h"
 #include "render/texture.h"
 #include "tests/support.h"
 #include "tests/support_scene.h"
@@ -77,6 +78,38 @@ static void interpolation_is_linear(void **state)
         }
         sheen_texture_release(&t);
     }
+    sheen_mesh_release(&mesh);
+}
+
+// Whole vectors and a rest, with places on edges and texels that no photograph saw, at every instruction set.
+static void many_samples_are_those_of_each(void **state)
+{
+    (void)state;
+    enum { N = 16 * 20 + 5, T = 8 };
+    static sheen_hit hits[N];
+    static float rgb[N][3], seen[N];
+    sheen_mesh mesh;
+    sheen_texture t;
+    uint64_t seed = 5;
+    figure(&mesh);
+    paint(&t, &mesh, T);
+    for (size_t i = 0; i < mesh.n_triangles * sheen_texels_per_triangle(T); i += 3)
+        t.n_views[i] = 0;
+    for (int i = 0; i < N; i++) {
+        hits[i].triangle = (uint32_t)(test_random(&seed) * (double)mesh.n_triangles);
+        hits[i].b1 = i % 7 ? (float)test_random(&seed) : 0;
+        hits[i].b2 = i % 5 ? (float)test_random(&seed) * (1 - hits[i].b1) : 1 - hits[i].b1;
+    }
+    for (int level = 0; level <= sheen_cpu_level(); level++) {
+        sheen_texture_samples_level(rgb[0], seen, &t, hits, N, level);
+        for (int i = 0; i < N; i++) {
+            float want[3];
+            assert_close(seen[i], sheen_texture_sample(&t, &hits[i], want), 1e-5);
+            for (int k = 0; k < 3; k++)
+                assert_close(rgb[i][k], want[k], 1e-5);
+        }
+    }
+    sheen_texture_release(&t);
     sheen_mesh_release(&mesh);
 }
 
@@ -206,9 +239,10 @@ static void refuses_what_does_not_fit(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(interpolation_is_linear), cmocka_unit_test(lattice_is_in_the_order_of_texels),
-        cmocka_unit_test(no_seam_across_edges),    cmocka_unit_test(unseen_texels_have_no_part),
-        cmocka_unit_test(atlas_round_trip),        cmocka_unit_test(refuses_what_does_not_fit),
+        cmocka_unit_test(many_samples_are_those_of_each),    cmocka_unit_test(interpolation_is_linear),
+        cmocka_unit_test(lattice_is_in_the_order_of_texels), cmocka_unit_test(no_seam_across_edges),
+        cmocka_unit_test(unseen_texels_have_no_part),        cmocka_unit_test(atlas_round_trip),
+        cmocka_unit_test(refuses_what_does_not_fit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
