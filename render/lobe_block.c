@@ -34,8 +34,6 @@ enum { LEAST_SAMPLES = 6, LEAST_LIGHTS = 48, MAX_HORIZON = 256, LANES = 16, MAX_
 #define LEAST_MARGIN_SIGMA 3.0f
 #define MOST_MARGIN_SIGMA 6.0f
 #define MOST_MARGIN_RAD 0.3f
-// Widest lobe of which 5 sigma end before the polynomial of sine2_alpha2 does.
-#define NARROW_SIGMA_RAD 0.17f
 
 // The samples [begin, end) of a block, and the expansion about their mean.
 typedef struct group {
@@ -410,39 +408,24 @@ SHEEN_KERNEL_INLINE void sum_wide(sheen_lobe_block *b, const sheen_light_cells *
     }
 }
 
-// alpha^2 = asin(sqrt(y))^2 from y = sin(alpha)^2: relative error below 2e-6 for y <= 0.6, below 3 % beyond.
-SHEEN_KERNEL_INLINE float sine2_alpha2(float y, int fused)
-{
-    float p = 0.48885318f;
-    p = sheen_mad(p, y, -0.46701586f, fused);
-    p = sheen_mad(p, y, 0.34399691f, fused);
-    p = sheen_mad(p, y, 0.051737792f, fused);
-    p = sheen_mad(p, y, 0.18462676f, fused);
-    p = sheen_mad(p, y, 0.33305755f, fused);
-    p = sheen_mad(p, y, 1.0000018f, fused);
-    return p * y;
-}
-
-// Adds one light's terms at LANES samples. sin(alpha)^2 = |n x (l + v)|^2 / |l + v|^2 needs no root, and does
-// not cancel near the highlight.
-SHEEN_KERNEL_INLINE void add_light(float sum[LANES], const sheen_lobe_block *b, int begin, const float l[3],
-                                   float weight, float per_alpha2, int fused)
+// Adds one light's terms at LANES samples, as sheen_lobe_sum_narrow does those of LANES lights at one.
+SHEEN_KERNEL_INLINE void add_light(float sum[LANES], const sheen_lobe_block *b, int begin,
+                                   const float n_dot_v[LANES], const float l[3], float weight,
+                                   float per_alpha2, int fused)
 {
     const float *nx = b->nx + begin, *ny = b->ny + begin, *nz = b->nz + begin;
     const float *vx = b->vx + begin, *vy = b->vy + begin, *vz = b->vz + begin;
 #pragma omp simd
     for (int i = 0; i < LANES; i++) {
         const float n_dot_l = sheen_mad(nx[i], l[0], sheen_mad(ny[i], l[1], nz[i] * l[2], fused), fused);
-        const float sx = l[0] + vx[i], sy = l[1] + vy[i], sz = l[2] + vz[i];
-        const float cx = sheen_mad(ny[i], sz, -nz[i] * sy, fused),
-                    cy = sheen_mad(nz[i], sx, -nx[i] * sz, fused),
-                    cz = sheen_mad(nx[i], sy, -ny[i] * sx, fused);
-        const float across2 = sheen_mad(cx, cx, sheen_mad(cy, cy, cz * cz, fused), fused);
-        const float length2 = sheen_mad(sx, sx, sheen_mad(sy, sy, sheen_mad(sz, sz, 1e-12f, fused), fused),
-                                        fused);
-        const float alpha2 = sine2_alpha2(across2 / length2, fused);
-        const float lit = n_dot_l > 0.0f ? weight : 0.0f;
-        sum[i] = sheen_mad(lit, sheen_exp2_minus(alpha2 * per_alpha2, fused), sum[i], fused);
+        const float d = n_dot_l + n_dot_v[i];
+        const float ux = sheen_mad(-d, nx[i], l[0] + vx[i], fused),
+                    uy = sheen_mad(-d, ny[i], l[1] + vy[i], fused),
+                    uz = sheen_mad(-d, nz[i], l[2] + vz[i], fused);
+        const float u2 = sheen_mad(ux, ux, sheen_mad(uy, uy, uz * uz, fused), fused);
+        const float y = u2 / sheen_mad(d, d, u2, fused);
+        const float term = sheen_exp2_minus(sheen_sine2_alpha2(y, per_alpha2, fused), fused);
+        sum[i] = sheen_mad(sheen_if_positive(n_dot_l, weight), term, sum[i], fused);
     }
 }
 
@@ -465,10 +448,14 @@ SHEEN_KERNEL_INLINE int by_lights(sheen_lobe_block *b, int begin, const sheen_li
         return 0;
     find_reached(&near, &list, &g, cells->sigma_rad, fused);
     const float per_alpha2 = 0.5f * LOG2_E / (cells->sigma_rad * cells->sigma_rad);
+    float n_dot_v[LANES];
+    for (int i = 0; i < LANES; i++)
+        n_dot_v[i] = b->nx[begin + i] * b->vx[begin + i] + b->ny[begin + i] * b->vy[begin + i] +
+                     b->nz[begin + i] * b->vz[begin + i];
     for (size_t i = 0; i < near.count; i++) {
         const size_t k = near.index[i];
         const float l[3] = {list.dx[k], list.dy[k], list.dz[k]};
-        add_light(sum, b, begin, l, list.weight[k], per_alpha2, fused);
+        add_light(sum, b, begin, n_dot_v, l, list.weight[k], per_alpha2, fused);
     }
     memcpy(b->sum + begin, sum, sizeof sum);
     return 1;
@@ -505,7 +492,7 @@ SHEEN_KERNEL_INLINE void sum_block(sheen_lobe_block *b, const sheen_light_cells 
     const float v_mid[3] = {b->vx[mid], b->vy[mid], b->vz[mid]};
     float r_mid[3];
     sheen_mirrorf(r_mid, n_mid, v_mid);
-    if (cells->sigma_rad <= NARROW_SIGMA_RAD && sheen_lights_near(cells, r_mid).count < LEAST_LIGHTS)
+    if (cells->sigma_rad <= SHEEN_LOBE_NARROW_RAD && sheen_lights_near(cells, r_mid).count < LEAST_LIGHTS)
         sum_narrow(b, cells, fused);
     else
         sum_wide(b, cells, tolerance, fused);
