@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "base/order.h"
+#include "base/pose3.h"
 #include "calib/homography.h"
 #include "calib/saddle_polish.h"
 #include "calib/saddle_refine.h"
@@ -137,18 +138,22 @@ typedef struct symmetry {
     double asymmetry, n_pairs;
 } symmetry;
 
-static bool find_one(sheen_saddle *out, symmetry *sym, const finder *f, const sheen_board_corner *corner)
+// The corner near where H puts it, not further than gate_px.
+static bool find_one(sheen_saddle *out, symmetry *sym, const finder *f, const sheen_board_corner *corner,
+                     const double H[9], double gate_px)
 {
     sheen_saddle_polished fine;
-    double H[9], q[2];
-    if (!local_homography(H, f, corner->p_board) || !map_offset(q, H, corner->p_board, 0, 0))
+    double q[2], predicted[2];
+    if (!map_offset(predicted, H, corner->p_board, 0, 0))
         return false;
+    memcpy(q, predicted, sizeof q);
     const int half = window_half(f, H, corner, q);
     if (!half || sheen_saddle_refine(q, f->grey, f->view->width_px, f->view->height_px, half, NULL))
         return false;
     if (!looks_printed(f, H, corner, q))
         return false;
-    if (!sheen_saddle_polish(&fine, f->grey, f->view->width_px, f->view->height_px, q, half))
+    if (!sheen_saddle_polish(&fine, f->grey, f->view->width_px, f->view->height_px, q, half) ||
+        hypot(fine.q_px[0] - predicted[0], fine.q_px[1] - predicted[1]) > gate_px)
         return false;
     *out = (sheen_saddle){.row = corner->row, .col = corner->col, .q_px = {fine.q_px[0], fine.q_px[1]}};
     memcpy(out->p_board, corner->p_board, sizeof out->p_board);
@@ -157,19 +162,34 @@ static bool find_one(sheen_saddle *out, symmetry *sym, const finder *f, const sh
     return true;
 }
 
-// Leaves corners out that have something in their window that does not belong to the board. Of n pairs of samples with
-// noise of variance v the mean square is v (1 +- sqrt(2 / n)).
+// True where there is something in the corner's window that does not belong to the board. Of n pairs of samples with noise
+// of variance v the mean square is v (1 +- sqrt(2 / n)).
+static bool is_disturbed(const symmetry *sym, const sheen_board_view *view)
+{
+    const double usual = fmax(LEAST_ASYMMETRY, view->noise_dn);
+    return !(sym->asymmetry <= usual * sqrt(1 + ASYMMETRY_SIGMAS * sqrt(2 / sym->n_pairs)));
+}
+
 static void drop_disturbed(sheen_board_view *view, const symmetry *sym, double *scratch)
 {
     const size_t n = view->n_saddles;
     for (size_t i = 0; i < n; i++)
         scratch[i] = sym[i].asymmetry;
     qsort(scratch, n, sizeof *scratch, sheen_ascending);
-    const double usual = n ? fmax(LEAST_ASYMMETRY, scratch[n / 2]) : 0;
+    view->noise_dn = n ? scratch[n / 2] : 0;
     view->n_saddles = 0;
     for (size_t i = 0; i < n; i++)
-        if (sym[i].asymmetry <= usual * sqrt(1 + ASYMMETRY_SIGMAS * sqrt(2 / sym[i].n_pairs)))
+        if (!is_disturbed(&sym[i], view))
             view->saddles[view->n_saddles++] = view->saddles[i];
+}
+
+static finder finder_of(const sheen_board_view *view, const uint8_t *grey, const sheen_board *board)
+{
+    return (finder){.view = view,
+                    .grey = grey,
+                    .board = board,
+                    .gap_m = (board->square_m - board->tag_side_m) / 2,
+                    .white_parity = (board->tags[0].row + board->tags[0].col) & 1};
 }
 
 sheen_status sheen_saddles_find(sheen_board_view *view, const uint8_t *grey, const sheen_board *board,
@@ -189,18 +209,64 @@ sheen_status sheen_saddles_find(sheen_board_view *view, const uint8_t *grey, con
         free(scratch);
         return sheen_fail_memory(err, 3 * (double)board->n_corners * sizeof *scratch, "corners");
     }
-    const finder f = {.view = view,
-                      .grey = grey,
-                      .board = board,
-                      .gap_m = (board->square_m - board->tag_side_m) / 2,
-                      .white_parity = (board->tags[0].row + board->tags[0].col) & 1};
-    for (size_t i = 0; i < board->n_corners; i++)
-        if (board->corners[i].printed &&
-            find_one(&view->saddles[view->n_saddles], &sym[view->n_saddles], &f, &board->corners[i]))
+    const finder f = finder_of(view, grey, board);
+    for (size_t i = 0; i < board->n_corners; i++) {
+        double H[9];
+        const size_t n = view->n_saddles;
+        if (board->corners[i].printed && local_homography(H, &f, board->corners[i].p_board) &&
+            find_one(&view->saddles[n], &sym[n], &f, &board->corners[i], H, INFINITY))
             view->n_saddles++;
+    }
     drop_disturbed(view, sym, scratch);
     free(sym);
     free(scratch);
+    return SHEEN_OK;
+}
+
+// The homography from the board to pixels around p_board, by nine points' projections.
+static bool projected_homography(double H[9], const sheen_camera *camera, const sheen_Rt *Rt_cam_board,
+                                 const double p_board[3], double square_m)
+{
+    enum { N = 9 };
+    double xy[2 * N], q[2 * N], p_cam[3 * N];
+    for (int i = 0; i < N; i++) {
+        const double p[3] = {p_board[0] + (i % 3 - 1) * square_m, p_board[1] + (i / 3 - 1) * square_m, 0};
+        memcpy(xy + 2 * (size_t)i, p, 2 * sizeof *xy);
+        sheen_Rt_point(p_cam + 3 * (size_t)i, Rt_cam_board, p);
+        if (!(p_cam[3 * i + 2] > 0))
+            return false;
+    }
+    return !sheen_camera_project(camera, q, NULL, p_cam, N, NULL) && sheen_homography_fit(H, xy, q, N);
+}
+
+static bool has_saddle(const sheen_board_view *view, const sheen_board_corner *corner)
+{
+    for (size_t i = 0; i < view->n_saddles; i++)
+        if (view->saddles[i].row == corner->row && view->saddles[i].col == corner->col)
+            return true;
+    return false;
+}
+
+sheen_status sheen_saddles_search(sheen_board_view *view, const uint8_t *grey, const sheen_board *board,
+                                  const sheen_camera *camera, const double rt_cam_board[6], double gate_px,
+                                  sheen_err *err)
+{
+    const sheen_status s = sheen_camera_check(camera, err);
+    if (s || !view->saddles || !board->n_tags)
+        return s;
+    const finder f = finder_of(view, grey, board);
+    sheen_Rt Rt;
+    sheen_Rt_from_rt(&Rt, rt_cam_board);
+    for (size_t i = 0; i < board->n_corners; i++) {
+        const sheen_board_corner *corner = &board->corners[i];
+        double H[9];
+        symmetry sym;
+        if (corner->printed && !has_saddle(view, corner) &&
+            projected_homography(H, camera, &Rt, corner->p_board, board->square_m) &&
+            find_one(&view->saddles[view->n_saddles], &sym, &f, corner, H, gate_px) &&
+            !is_disturbed(&sym, view))
+            view->n_saddles++;
+    }
     return SHEEN_OK;
 }
 

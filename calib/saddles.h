@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "base/board.h"
+#include "base/camera.h"
 #include "base/status.h"
 #include "calib/detect.h"
 #include "calib/view.h"
@@ -26,6 +27,13 @@ sheen_status sheen_boards_observe(sheen_board_view *views, sheen_tag_detector *d
 // The second half of it: fills view->saddles from view->tags and the picture.
 sheen_status sheen_saddles_find(sheen_board_view *view, const uint8_t *grey, const sheen_board *board,
                                 sheen_err *err);
+
+// Looks for the board's remaining corners, whose tags may be covered or unreadable, where a pose puts them through the
+// lens; gate_px: how far from there they may be found. They are judged as the others were and come after them in
+// view->saddles, whose room is for all of the board's; nothing here says that the pose is right. EARG (camera).
+sheen_status sheen_saddles_search(sheen_board_view *view, const uint8_t *grey, const sheen_board *board,
+                                  const sheen_camera *camera, const double rt_cam_board[6], double gate_px,
+                                  sheen_err *err);
 
 #ifdef __cplusplus
 }

@@ -33,6 +33,7 @@ typedef struct sheen_board_view {
     size_t n_tags, n_saddles;
     sheen_tag_seen *tags;  // by id
     sheen_saddle *saddles; // row by row
+    double noise_dn;       // the corners' median asymmetry (saddle_polish.h), grey values; 0: not known
 } sheen_board_view;
 
 void sheen_board_view_release(sheen_board_view *view);

@@ -20,6 +20,7 @@ typedef struct reader {
     const sheen_session *session;
     const sheen_frame_info *const *frames;
     const char *const *paths;
+    const sheen_views_options *options;
 } reader;
 
 static sheen_status read_session(const reader *self, size_t i, sheen_raster *out, sheen_transfer *transfer,
@@ -65,6 +66,8 @@ static sheen_status observe(sheen_board_view *views, const reader *r, size_t i, 
     if (s)
         goto done;
     s = sheen_boards_observe(views, detector, grey, raster.width_px, raster.height_px, boards, err);
+    if (!s && r->options->look)
+        s = r->options->look(r->options->self, views, grey, err);
 
 done:
     sheen_tag_detector_free(&detector);
@@ -82,8 +85,10 @@ static void observe_some(void *self, size_t begin, size_t end)
 }
 
 static sheen_status observe_all(sheen_views *out, const reader *r, size_t n, const sheen_board_set *boards,
-                                int n_threads, const sheen_progress *progress, sheen_err *err)
+                                sheen_err *err)
 {
+    const int n_threads = r->options->n_threads;
+    const sheen_progress *progress = r->options->progress;
     *out = (sheen_views){0};
     const size_t per_batch = FRAMES_PER_THREAD * (size_t)(n_threads > 0 ? n_threads : sheen_cpu_count());
     sheen_status s = SHEEN_OK;
@@ -124,11 +129,11 @@ void sheen_views_release(sheen_views *views)
 
 sheen_status sheen_set_views_of_session(sheen_views *out, const sheen_session *s,
                                         const sheen_frame_info *const *frames, size_t n_frames,
-                                        const sheen_board_set *boards, int n_threads,
-                                        const sheen_progress *progress, sheen_err *err)
+                                        const sheen_board_set *boards, const sheen_views_options *options,
+                                        sheen_err *err)
 {
-    const reader r = {.read = read_session, .session = s, .frames = frames};
-    const sheen_status status = observe_all(out, &r, n_frames, boards, n_threads, progress, err);
+    const reader r = {.read = read_session, .session = s, .frames = frames, .options = options};
+    const sheen_status status = observe_all(out, &r, n_frames, boards, err);
     for (size_t i = 0; !status && i < out->n_views; i++) {
         const sheen_frame_info *f = frames[i / boards->n_boards];
         snprintf(out->views[i].name, sizeof out->views[i].name, "%s", f->name);
@@ -144,7 +149,8 @@ sheen_status sheen_views_of_session(sheen_views *out, const sheen_session *s,
 {
     sheen_board alone = *board; // a set of one, which is only read
     const sheen_board_set one = {.boards = &alone, .n_boards = 1};
-    return sheen_set_views_of_session(out, s, frames, n_frames, &one, n_threads, progress, err);
+    const sheen_views_options options = {.n_threads = n_threads, .progress = progress};
+    return sheen_set_views_of_session(out, s, frames, n_frames, &one, &options, err);
 }
 
 // White space and '#' would end a name in a .vnl table.
@@ -159,10 +165,11 @@ sheen_status sheen_views_of_files(sheen_views *out, const char *const *paths, si
                                   const sheen_board *board, int n_threads, const sheen_progress *progress,
                                   sheen_err *err)
 {
-    const reader r = {.read = read_path, .paths = paths};
+    const sheen_views_options options = {.n_threads = n_threads, .progress = progress};
+    const reader r = {.read = read_path, .paths = paths, .options = &options};
     sheen_board alone = *board;
     const sheen_board_set one = {.boards = &alone, .n_boards = 1};
-    const sheen_status status = observe_all(out, &r, n_paths, &one, n_threads, progress, err);
+    const sheen_status status = observe_all(out, &r, n_paths, &one, err);
     for (size_t i = 0; i < n_paths && !status; i++) {
         sheen_board_view *view = &out->views[i];
         const char *base = sheen_path_base(paths[i]);

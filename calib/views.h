@@ -28,11 +28,21 @@ sheen_status sheen_views_of_session(sheen_views *out, const sheen_session *s,
                                     const sheen_frame_info *const *frames, size_t n_frames,
                                     const sheen_board *board, int n_threads, const sheen_progress *progress,
                                     sheen_err *err);
+
+typedef struct sheen_views_options {
+    int n_threads;
+    const sheen_progress *progress;
+    // Called with the views[n_boards] of each frame while its picture is at hand, from several threads at once; may add
+    // to them. NULL: nothing more is looked for.
+    sheen_status (*look)(const void *self, sheen_board_view *views, const uint8_t *grey, sheen_err *err);
+    const void *self;
+} sheen_views_options;
+
 // The same for a set of boards: out->views[n_frames * boards->n_boards], all boards of a frame side by side.
 sheen_status sheen_set_views_of_session(sheen_views *out, const sheen_session *s,
                                         const sheen_frame_info *const *frames, size_t n_frames,
-                                        const sheen_board_set *boards, int n_threads,
-                                        const sheen_progress *progress, sheen_err *err);
+                                        const sheen_board_set *boards, const sheen_views_options *options,
+                                        sheen_err *err);
 // The same of image files (sRGB); names are the files' names without folder and extension.
 sheen_status sheen_views_of_files(sheen_views *out, const char *const *paths, size_t n_paths,
                                   const sheen_board *board, int n_threads, const sheen_progress *progress,

@@ -134,7 +134,37 @@ static int tie_board(sheen_survey_problem *p, size_t b)
     return best;
 }
 
-// Boards from the first outwards, those with most ties first; then each frame by the board that shows most.
+// The frame's pose by each of its boards: that with which most boards agree, and of equals the first board's, which is
+// what stands still by definition; then that with most corners.
+static void place_frame(sheen_survey_problem *p, size_t f)
+{
+    enum { BOARD = 1 << 20, FIRST = 1 << 19 }; // more than corners are
+    int most = 0;
+    for (size_t b = 0; b < p->n_boards; b++) {
+        if (!p->tied[b] || !sheen_survey_at(p, f, b)->posed)
+            continue;
+        sheen_Rt inverse, here;
+        int votes = 0;
+        sheen_Rt_invert(&inverse, &p->Rt_ref_board[b]);
+        sheen_Rt_compose(&here, &sheen_survey_at(p, f, b)->Rt_cam_board, &inverse);
+        for (size_t b2 = 0; b2 < p->n_boards; b2++) {
+            const sheen_survey_group *g = sheen_survey_at(p, f, b2);
+            sheen_Rt by_other;
+            if (!p->tied[b2] || !g->posed)
+                continue;
+            sheen_Rt_compose(&by_other, &here, &p->Rt_ref_board[b2]);
+            if (agree(&by_other, &g->Rt_cam_board))
+                votes += BOARD + (b2 ? 0 : FIRST) + (int)g->view->n_saddles;
+        }
+        if (votes > most) {
+            most = votes;
+            p->Rt_cam_ref[f] = here;
+            p->framed[f] = true;
+        }
+    }
+}
+
+// Boards from the first outwards, those with most ties first; then the frames.
 static void start(sheen_survey_problem *p)
 {
     sheen_Rt_from_rt(&p->Rt_ref_board[0], (const double[6]){0});
@@ -154,29 +184,7 @@ static void start(sheen_survey_problem *p)
         p->tied[next] = true;
     }
     for (size_t f = 0; f < p->n_frames; f++) {
-        // the frame's pose by each of its boards; that with which most points of all boards agree
-        int most = 0;
-        for (size_t b = 0; b < p->n_boards; b++) {
-            if (!p->tied[b] || !sheen_survey_at(p, f, b)->posed)
-                continue;
-            sheen_Rt inverse, here;
-            int votes = 0;
-            sheen_Rt_invert(&inverse, &p->Rt_ref_board[b]);
-            sheen_Rt_compose(&here, &sheen_survey_at(p, f, b)->Rt_cam_board, &inverse);
-            for (size_t b2 = 0; b2 < p->n_boards; b2++) {
-                sheen_Rt by_other;
-                if (!p->tied[b2] || !sheen_survey_at(p, f, b2)->posed)
-                    continue;
-                sheen_Rt_compose(&by_other, &here, &p->Rt_ref_board[b2]);
-                if (agree(&by_other, &sheen_survey_at(p, f, b2)->Rt_cam_board))
-                    votes += (int)sheen_survey_at(p, f, b2)->view->n_saddles;
-            }
-            if (votes > most) {
-                most = votes;
-                p->Rt_cam_ref[f] = here;
-                p->framed[f] = true;
-            }
-        }
+        place_frame(p, f);
         for (size_t b = 0; b < p->n_boards; b++)
             sheen_survey_at(p, f, b)->counts = p->framed[f] && p->tied[b] && sheen_survey_at(p, f, b)->posed;
     }

@@ -14,6 +14,7 @@
 #include "calib/views.h"
 #include "calib/vnl.h"
 #include "pose/board_pose.h"
+#include "pose/board_search.h"
 #include "pose/board_survey.h"
 
 enum { BLURRED_MIN_FRAMES = 4 };
@@ -70,6 +71,17 @@ static sheen_status list_frames(inputs *in, const sheen_session *s, sheen_err *e
     }
     return in->n_frames ? SHEEN_OK
                         : sheen_fail(err, SHEEN_EDATA, "session '%s' has no frames of the object", s->path);
+}
+
+// Searches each board of a frame for the corners whose tags are hidden.
+static sheen_status search_boards(const void *self, sheen_board_view *views, const uint8_t *grey,
+                                  sheen_err *err)
+{
+    const inputs *in = self;
+    sheen_status s = SHEEN_OK;
+    for (size_t b = 0; b < in->set.n_boards && !s; b++)
+        s = sheen_board_search(&views[b], grey, &in->camera, &in->set.boards[b], err);
+    return s;
 }
 
 static double sigma_m(const sheen_frame_pose *p)
@@ -297,8 +309,12 @@ sheen_status sheen_pose_session(sheen_pose_summary *out, sheen_poses *poses_out,
     if (!st)
         st = list_frames(&in, s, err);
     if (!st)
-        st = sheen_set_views_of_session(&views, s, in.frames, in.n_frames, &in.set, options->n_threads,
-                                        &options->progress, err);
+        st = sheen_set_views_of_session(&views, s, in.frames, in.n_frames, &in.set,
+                                        &(sheen_views_options){.n_threads = options->n_threads,
+                                                               .progress = &options->progress,
+                                                               .look = search_boards,
+                                                               .self = &in},
+                                        err);
     if (!st)
         st = pose_all(out, &poses, &in, &views, err);
     if (!st)

@@ -12,6 +12,7 @@
 #include "calib/cholesky.h"
 #include "calib/saddles.h"
 #include "pose/board_pose.h"
+#include "pose/board_search.h"
 #include "pose/pose_tangent.h"
 #include "support.h"
 #include "support_board.h"
@@ -108,6 +109,8 @@ static void one(outcome *o, const trials *t, uint64_t seed)
     assert_ok(
         sheen_board_observe(&view, detector, grey, t->camera.width_px, t->camera.height_px, &t->board, &err),
         err);
+    if (!getenv("SHEEN_TEST_NO_SEARCH"))
+        assert_ok(sheen_board_search(&view, grey, &t->camera, &t->board, &err), err);
     o->found = !sheen_board_pose_find(&pose, is_inlier, &t->camera, &t->board, &view, &err);
     if (o->found)
         measure(o, &pose, &photo);
