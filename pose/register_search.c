@@ -395,7 +395,8 @@ static sheen_status report(sheen_registration *out, search *s, size_t n, const s
                            sheen_err *err)
 {
     if (!n)
-        return sheen_fail(err, SHEEN_EDATA, "the mesh fits nowhere near the masks");
+        return sheen_fail(err, SHEEN_EDATA, "the mesh fits nowhere near the masks%s",
+                          s->options->unit_m > 0 ? ": is it of the unit that was told" : "");
     const candidate *best = &s->starts[0];
     out->placement = best->placement;
     out->misfit = best->misfit;

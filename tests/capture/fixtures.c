@@ -273,3 +273,121 @@ void fixture_shiny(const char *dir, int width_px, int height_px, const char *con
     }
     sheen_image_release(&img);
 }
+
+// The figure's balls: centre and radius, metres, on the board.
+static const double balls[4][4] = {{0, 0, 0.03, 0.03},
+                                   {0.024, 0.008, 0.045, 0.015},
+                                   {-0.005, -0.028, 0.02, 0.015},
+                                   {0.004, 0.006, 0.066, 0.016}};
+
+void fixture_figure(const char *path, double per_m)
+{
+    enum { RINGS = 16, SECTORS = 24 };
+    FILE *f = fopen(path, "w");
+    assert_non_null(f);
+    for (int b = 0; b < 4; b++)
+        for (int i = 0; i <= RINGS; i++)
+            for (int k = 0; k < SECTORS; k++) {
+                const double theta = pi * i / RINGS, phi = 2 * pi * k / SECTORS, r = balls[b][3];
+                fprintf(f, "v %.9g %.9g %.9g\n", per_m * (balls[b][0] + r * sin(theta) * cos(phi)),
+                        per_m * (balls[b][2] + r * cos(theta)),
+                        -per_m * (balls[b][1] + r * sin(theta) * sin(phi)));
+            }
+    for (int b = 0; b < 4; b++)
+        for (int i = 0; i < RINGS; i++)
+            for (int k = 0; k < SECTORS; k++) {
+                const int base = b * (RINGS + 1) * SECTORS + i * SECTORS + 1;
+                const int a = base + k, c = base + (k + 1) % SECTORS;
+                if (i > 0)
+                    fprintf(f, "f %d %d %d\n", a, a + SECTORS, c);
+                if (i < RINGS - 1)
+                    fprintf(f, "f %d %d %d\n", c, a + SECTORS, c + SECTORS);
+            }
+    assert_int_equal(fclose(f), 0);
+}
+
+// Height of the nearest ball's normal along the line of sight (-1..1); -2 where it meets none.
+static double meet_figure(const double eye[3], const double v[3], int n_balls)
+{
+    double nearest = 1e9, up = -2;
+    for (int b = 0; b < n_balls; b++) {
+        double d[3], along = 0, d2 = 0;
+        for (int c = 0; c < 3; c++) {
+            d[c] = balls[b][c] - eye[c];
+            along += d[c] * v[c];
+            d2 += d[c] * d[c];
+        }
+        const double inside = balls[b][3] * balls[b][3] - (d2 - along * along);
+        if (inside < 0 || along - sqrt(inside) >= nearest)
+            continue;
+        nearest = along - sqrt(inside);
+        up = (nearest * v[2] - d[2]) / balls[b][3];
+    }
+    return up;
+}
+
+static float figure_pixel(const double m[16], double x, double y, double f_px, int mask, int n_balls)
+{
+    enum { SUB = 4 };
+    double sum = 0;
+    for (int k = 0; k < SUB * SUB; k++) {
+        const double q[3] = {(x + (k % SUB + 0.5) / SUB - 0.5) / f_px,
+                             -(y + ((int)(k / SUB) + 0.5) / SUB - 0.5) / f_px, -1};
+        const double length = sqrt(q[0] * q[0] + q[1] * q[1] + 1), eye[3] = {m[3], m[7], m[11]};
+        double v[3];
+        for (int i = 0; i < 3; i++)
+            v[i] = (m[4 * i] * q[0] + m[4 * i + 1] * q[1] + m[4 * i + 2] * q[2]) / length;
+        const double up = meet_figure(eye, v, n_balls);
+        sum += mask ? up > -2 : up > -2 ? 0.1 + 0.05 * up : 0.5;
+    }
+    return (float)(sum / (SUB * SUB));
+}
+
+void fixture_figure_views(const char *dir, int width_px, int height_px, const char *const *names, int n_names,
+                          int masks, int n_balls)
+{
+    sheen_image img;
+    sheen_err err;
+    assert_ok(sheen_image_init(&img, width_px, height_px, 3, &err), err);
+    for (int i = 0; i < n_names; i++) {
+        char path[SHEEN_PATH_MAX], file[128];
+        double m[16];
+        look(m, azimuth_rad(i, n_names));
+        for (int y = 0; y < height_px; y++)
+            for (int x = 0; x < width_px; x++) {
+                const float v = figure_pixel(m, x - (width_px - 1) / 2.0, y - (height_px - 1) / 2.0,
+                                             2.0 * width_px, masks, n_balls);
+                for (int c = 0; c < 3; c++) // the writer codes light as sRGB; a mask's numbers are shares
+                    sheen_image_at(&img, x, y)[c] = masks ? sheen_transfer_decode(SHEEN_TRANSFER_SRGB, v) : v;
+            }
+        snprintf(file, sizeof file, "%.100s.png", names[i]);
+        assert_ok(sheen_path_join(path, dir, file, &err), err);
+        assert_ok(sheen_png_write_srgb(path, &img, &err), err);
+    }
+    sheen_image_release(&img);
+}
+
+void fixture_figure_marks(const char *path, int width_px, int height_px, const char *const *names,
+                          int n_names, double per_m)
+{
+    static const double points[6][3] = {{0.004, 0.006, 0.082}, {0.039, 0.008, 0.045}, {-0.005, -0.043, 0.02},
+                                        {-0.03, 0, 0.03},      {0, 0.03, 0.03},       {0, 0, 0}};
+    FILE *f = fopen(path, "w");
+    assert_non_null(f);
+    fprintf(f, "# frame x y X Y Z\n");
+    for (int i = 0; i < n_names; i++) {
+        double m[16];
+        look(m, azimuth_rad(i, n_names));
+        for (int k = 0; k < 6; k++) {
+            double q[3] = {0};
+            for (int c = 0; c < 3; c++)
+                for (int r = 0; r < 3; r++)
+                    q[c] += m[4 * r + c] * (points[k][r] - m[4 * r + 3]);
+            fprintf(f, "%s %.3f %.3f %.9g %.9g %.9g\n", names[i],
+                    (width_px - 1) / 2.0 - 2.0 * width_px * q[0] / q[2],
+                    (height_px - 1) / 2.0 + 2.0 * width_px * q[1] / q[2], per_m * points[k][0],
+                    per_m * points[k][2], -per_m * points[k][1]);
+        }
+    }
+    assert_int_equal(fclose(f), 0);
+}

@@ -21,4 +21,14 @@ void fixture_poses(const char *path, int width_px, int height_px, const char *co
 // <dir>/<name>.png for each of those poses: the ball as it looks there, striped, matte and shiny, under three far lamps.
 void fixture_shiny(const char *dir, int width_px, int height_px, const char *const *names, int n_names);
 
+// A figure of four balls, which looks another from every side. As OBJ whose y is up, with `per_m` units in a metre.
+void fixture_figure(const char *path, double per_m);
+// <dir>/<name>.png for each of those poses: its mask, or its picture, shaded on a grey ground. Of its first n_balls balls:
+// of 4, or of one, which is fixture_mesh's ball.
+void fixture_figure_views(const char *dir, int width_px, int height_px, const char *const *names, int n_names,
+                          int masks, int n_balls);
+// Marks of six points of it in each of those pictures: lines "frame x y X Y Z" in the OBJ's frame and unit.
+void fixture_figure_marks(const char *path, int width_px, int height_px, const char *const *names,
+                          int n_names, double per_m);
+
 #endif

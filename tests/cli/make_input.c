@@ -48,6 +48,8 @@ static int moved(const char *path, const char *from_path, int length_px, bool ro
 //     camera FILE WIDTH HEIGHT            poses FILE WIDTH HEIGHT NAME...
 //     shiny DIR WIDTH HEIGHT NAME...
 //     board FILE                          mesh FILE [OFFSET_MM]
+//     figure FILE UNITS_PER_M             figure-marks FILE WIDTH HEIGHT UNITS_PER_M NAME...
+//     figure-views DIR WIDTH HEIGHT NAME...    figure-masks, ball-masks DIR WIDTH HEIGHT NAME...
 int main(int argc, char **argv)
 {
     if (argc < 3)
@@ -70,6 +72,14 @@ int main(int argc, char **argv)
         fixture_board(path);
     else if (!strcmp(kind, "mesh"))
         fixture_mesh(path, number(argv, argc, 3, 0) * 1e-3);
+    else if (!strcmp(kind, "figure"))
+        fixture_figure(path, number(argv, argc, 3, 1));
+    else if (!strcmp(kind, "figure-views") || !strcmp(kind, "figure-masks") || !strcmp(kind, "ball-masks"))
+        fixture_figure_views(path, width_px, height_px, (const char *const *)(argv + 5), argc - 5,
+                             strcmp(kind, "figure-views") != 0, strcmp(kind, "ball-masks") ? 4 : 1);
+    else if (!strcmp(kind, "figure-marks"))
+        fixture_figure_marks(path, width_px, height_px, (const char *const *)(argv + 6), argc - 6,
+                             number(argv, argc, 5, 1));
     else
         return 2;
     return 0;
