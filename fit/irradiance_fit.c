@@ -13,12 +13,7 @@
 #include "base/vec.h"
 #include "calib/cholesky.h"
 
-enum {
-    TERMS = SHEEN_AMBIENT_TERMS,
-    MAX_UNKNOWNS = TERMS + SHEEN_IRRADIANCE_MAX_LAMPS,
-    MAX_SAMPLES = 64,
-    FOLDS = 3
-};
+enum { TERMS = SHEEN_AMBIENT_TERMS, MAX_UNKNOWNS = TERMS + SHEEN_IRRADIANCE_MAX_LAMPS, MAX_SAMPLES = 64 };
 
 static const double outlier_lin = 0.015,
                     outlier_share = 0.05; // scale of the robust weights: so much, and of the light
@@ -41,8 +36,10 @@ static int design(double x[MAX_UNKNOWNS], const sheen_irradiance *e, const sheen
     sheen_ambient_basis(basis, s->n_world);
     memcpy(x, basis, (size_t)n_terms * sizeof *x);
     for (int j = 0; j < e->n_lamps; j++) {
-        const float cosine = sheen_dotf(s->n_world, e->lamps[j].l_world);
-        x[n_terms + j] = cosine > 0 && (s->lit >> j & 1) ? (double)cosine : 0;
+        float to_lamp[3];
+        x[n_terms + j] = s->lit >> j & 1
+                             ? (double)sheen_irradiance_lamp_cosine(to_lamp, &e->lamps[j], s->x_m, s->n_world)
+                             : 0;
     }
     return n_terms + e->n_lamps;
 }
@@ -160,7 +157,12 @@ static void add_texel(equations *q, double x[][MAX_UNKNOWNS], double E[][3], con
     }
 }
 
-static void gather(equations *q, const sheen_irradiance *e, const sheen_lit_texels *t, uint64_t left_out)
+static int in_fold(const sheen_lit_sample *s, int fold)
+{
+    return s->view % SHEEN_LIT_FOLDS == fold;
+}
+
+static void gather(equations *q, const sheen_irradiance *e, const sheen_lit_texels *t, int left_out)
 {
     memset(q, 0, sizeof *q);
     for (size_t i = 0; i < t->n_texels; i++) {
@@ -172,7 +174,7 @@ static void gather(equations *q, const sheen_irradiance *e, const sheen_lit_texe
         for (size_t k = 0; k < n; k++) {
             n_unknowns = design(x[k], e, &s[k]);
             apply(E[k], e, x[k]);
-            w[k] = left_out >> s[k].view & 1 ? 0 : 1;
+            w[k] = in_fold(&s[k], left_out) ? 0 : 1;
         }
         solve_texel(a, w, s, E, n);
         add_texel(q, x, E, w, a, s, n, n_unknowns);
@@ -264,7 +266,7 @@ static void start_even(sheen_irradiance *e)
     e->present = 1;
 }
 
-sheen_status sheen_irradiance_fit(sheen_irradiance *e, const sheen_lit_texels *texels, uint64_t left_out,
+sheen_status sheen_irradiance_fit(sheen_irradiance *e, const sheen_lit_texels *texels, int left_out,
                                   int n_rounds, sheen_err *err)
 {
     equations *q = malloc(sizeof *q);
@@ -289,7 +291,7 @@ sheen_status sheen_irradiance_fit(sheen_irradiance *e, const sheen_lit_texels *t
 
 // How well the views of one fold are predicted from the others: mean of the Lorentzian's loss.
 static void score_fold(double *sum, size_t *count, const sheen_irradiance *e, const sheen_lit_texels *t,
-                       uint64_t left_out)
+                       int left_out)
 {
     for (size_t i = 0; i < t->n_texels; i++) {
         const sheen_lit_sample *s = t->samples + t->first[i];
@@ -298,14 +300,14 @@ static void score_fold(double *sum, size_t *count, const sheen_irradiance *e, co
         n = n < MAX_SAMPLES ? n : MAX_SAMPLES;
         for (size_t k = 0; k < n; k++) {
             sheen_lit_irradiance(E[k], e, &s[k]);
-            w[k] = left_out >> s[k].view & 1 ? 0 : 1;
+            w[k] = in_fold(&s[k], left_out) ? 0 : 1;
             n_kept += w[k] > 0;
         }
         if (n_kept < 2)
             continue;
         solve_texel(a, w, s, E, n);
         for (size_t k = 0; k < n; k++) {
-            if (!(left_out >> s[k].view & 1))
+            if (!in_fold(&s[k], left_out))
                 continue;
             const double lit[3] = {a[0] * E[k][0], a[1] * E[k][1], a[2] * E[k][2]};
             const double z = ((double)sheen_luminance(s[k].rgb) - luminance(lit)) / outlier_lin;
@@ -316,24 +318,21 @@ static void score_fold(double *sum, size_t *count, const sheen_irradiance *e, co
 }
 
 sheen_status sheen_irradiance_choose_degree(int *degree, const sheen_irradiance *e,
-                                            const sheen_lit_texels *texels, int n_views, sheen_err *err)
+                                            const sheen_lit_texels *texels, sheen_err *err)
 {
     double best = HUGE_VAL;
     *degree = 0;
     for (int d = 0; d <= 2; d++) {
         double sum = 0;
         size_t count = 0;
-        for (int fold = 0; fold < FOLDS; fold++) {
-            uint64_t left_out = 0;
-            for (int v = fold; v < n_views; v += FOLDS)
-                left_out |= (uint64_t)1 << v;
+        for (int fold = 0; fold < SHEEN_LIT_FOLDS; fold++) {
             sheen_irradiance trial = *e;
             trial.degree = d;
             trial.present = 0;
-            const sheen_status s = sheen_irradiance_fit(&trial, texels, left_out, 8, err);
+            const sheen_status s = sheen_irradiance_fit(&trial, texels, fold, 8, err);
             if (s)
                 return s;
-            score_fold(&sum, &count, &trial, texels, left_out);
+            score_fold(&sum, &count, &trial, texels, fold);
         }
         const double mean = count ? sum / (double)count : 0;
         if (mean < 0.99 * best) {

@@ -12,10 +12,13 @@
 #include "base/status.h"
 #include "render/irradiance.h"
 
+enum { SHEEN_LIT_FOLDS = 3, SHEEN_NO_FOLD = -1 };
+
 // One texel in one view.
 typedef struct sheen_lit_sample {
     float rgb[3];     // photograph less all that is not diffuse
     float n_world[3]; // normal as it was turned then
+    float x_m[3];     // and the place, from the lamps' origin, in world
     float weight;     // before outliers are weighed
     uint32_t lit;     // bit j: nothing hides lamp j
     int view;
@@ -36,11 +39,11 @@ void sheen_lit_irradiance(double rgb[3], const sheen_irradiance *e, const sheen_
 void sheen_lit_albedo(double rgb[3], const sheen_irradiance *e, const sheen_lit_sample *samples, size_t n);
 
 // Finds harmonics and the lamps' strengths; e->degree, n_lamps and l_world are given, the rest is where it starts (not
-// present: E = 1). Views whose bit is set in left_out have no part. Scaled as render/irradiance.h says. ENOMEM.
-sheen_status sheen_irradiance_fit(sheen_irradiance *e, const sheen_lit_texels *texels, uint64_t left_out,
+// present: E = 1). Views of one fold (view % SHEEN_LIT_FOLDS == left_out) have no part. Scaled as render/irradiance.h says. ENOMEM.
+sheen_status sheen_irradiance_fit(sheen_irradiance *e, const sheen_lit_texels *texels, int left_out,
                                   int n_rounds, sheen_err *err);
 // The degree, 0 to 2, with which views that were left out are predicted best; a higher one must be better by 1 %.
 sheen_status sheen_irradiance_choose_degree(int *degree, const sheen_irradiance *e,
-                                            const sheen_lit_texels *texels, int n_views, sheen_err *err);
+                                            const sheen_lit_texels *texels, sheen_err *err);
 
 #endif

@@ -24,7 +24,7 @@ static void take(sheen_lamp_sample *out, const sheen_refined_state *r, size_t vi
 {
     const sheen_model *m = &r->f->model;
     const sheen_shading *shading = &r->shading[view];
-    float v_obj[3];
+    float v_obj[3], E[3];
     double rgb[3];
     *out = (sheen_lamp_sample){.view = (uint32_t)view};
     for (int i = 0; i < 3; i++)
@@ -37,8 +37,10 @@ static void take(sheen_lamp_sample *out, const sheen_refined_state *r, size_t vi
     to_world(out->v_world, shading, v_obj);
     memcpy(out->p_obj, p_obj, sizeof out->p_obj);
     sheen_diffuse_and_lights(rgb, &m->surroundings, &r->views[view], &r->lights[view], texel);
+    sheen_shade_irradiance(E, shading, p_obj, n_obj);
     for (int c = 0; c < 3; c++) {
-        out->rgb[c] = (float)rgb[c];
+        // Of an object that turned, less what the turn itself changes
+        out->rgb[c] = (float)rgb[c] - m->texture.rgb[3 * texel + (size_t)c] * (E[c] - 1);
         out->clipped |= r->views[view].rgb[3 * texel + (size_t)c] >= clipped_lin;
     }
     out->Y = sheen_luminance(out->rgb);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// refined.c - alternates between surroundings, texture and lights, each given the others.
+// refined.c - alternates between surroundings, texture and lights, each given the others; the same for a camera that moved and
+// for an object that turned, with the lights in the one frame in which they stand still.
 #include "fit/refined.h"
 
 #include <math.h>
@@ -10,6 +11,7 @@
 #include "fit/fill_holes.h"
 #include "fit/normals.h"
 #include "fit/refined_state.h"
+#include "fit/turning.h"
 
 // An extension stays where what it predicts is wrong by this share at most of what is without it.
 static const double worth_keeping = 0.99;
@@ -19,17 +21,36 @@ static int has(const sheen_refined_state *r, sheen_extension e)
     return sheen_extension_in(r->o.without, e);
 }
 
+static int turned(const sheen_refined_state *r)
+{
+    return r->f->model.moving == SHEEN_MOVING_OBJECT;
+}
+
 // Kept where photographs are predicted better by the others with them than without.
 static void fit_surroundings(sheen_refined_state *r)
 {
     sheen_surroundings *e = &r->f->model.surroundings;
     const size_t n = r->f->n_views;
+    if (turned(r)) // what the turn itself changes is no mirror image
+        sheen_turning_shift(r, 1);
     e->present = 1;
     sheen_surroundings_fit(e, has(r, SHEEN_EXTENSION_AMBIENT), r->views, r->lights, n, r->o.n_threads);
     const double with = sheen_diffuse_cost(e, r->views, r->lights, n, r->o.n_threads);
     e->present = 0;
     const double without = sheen_diffuse_cost(e, r->views, r->lights, n, r->o.n_threads);
     e->present = with < worth_keeping * without;
+    if (turned(r))
+        sheen_turning_shift(r, -1);
+}
+
+// The texture, given the lights and what is mirrored: one colour a texel, or an albedo and the light that it turned under.
+static sheen_status fit_diffuse(sheen_refined_state *r, sheen_err *err)
+{
+    sheen_model *m = &r->f->model;
+    if (turned(r))
+        return sheen_turning_diffuse(r, err);
+    sheen_diffuse_fit(&m->texture, &m->surroundings, r->views, r->lights, r->f->n_views, r->o.n_threads);
+    return SHEEN_OK;
 }
 
 // What is mirrored, before any of it is known.
@@ -56,15 +77,45 @@ static sheen_status estimate_lights(sheen_refined_state *r, sheen_err *err)
 // And the texture under the highlights that they move.
 static sheen_status bend_normals(sheen_refined_state *r, sheen_err *err)
 {
-    sheen_model *m = &r->f->model;
     int changed;
     sheen_status s = sheen_refined_normals(r, &changed, err);
     if (s || !changed)
         return s;
     r->keep_mirrored = 0;
+    s = sheen_refined_light_views(r, err);
+    return s ? s : fit_diffuse(r, err);
+}
+
+// Where the texture and its residuals start. The minimum of an object that turned is its shaded side: there, from an albedo under
+// a light that nothing is known of yet.
+static sheen_status start_texture(sheen_refined_state *r, sheen_err *err)
+{
+    sheen_status s = sheen_refined_light_views(r, err); // no lamps yet: what is mirrored
+    if (s || !turned(r))
+        return s;
+    r->keep_mirrored = 0; // the object's own mirror images have its light
+    return (s = fit_diffuse(r, err)) ? s : sheen_refined_residuals(r, err);
+}
+
+static sheen_status improve_once(sheen_refined_state *r, sheen_stopwatch *watch, sheen_err *err)
+{
+    sheen_status s;
+    // The first residuals are those of the start: of the minimum, which holds what all views mirror
+    if ((r->round && (s = sheen_refined_residuals(r, err))) || (s = estimate_lights(r, err)))
+        return s;
+    sheen_progress_timed(&r->o.progress, "lights and roughness", watch);
+    if (r->round == 1 || turned(r)) // by now the object's own mirror images show its texture
+        r->keep_mirrored = 0;
     if ((s = sheen_refined_light_views(r, err)))
         return s;
-    sheen_diffuse_fit(&m->texture, &m->surroundings, r->views, r->lights, r->f->n_views, r->o.n_threads);
+    if (has(r, SHEEN_EXTENSION_BOARD) || has(r, SHEEN_EXTENSION_AMBIENT))
+        fit_surroundings(r);
+    if ((s = fit_diffuse(r, err)))
+        return s;
+    sheen_progress_timed(&r->o.progress, "texture and surroundings", watch);
+    if (r->round > 0 && !turned(r) && has(r, SHEEN_EXTENSION_NORMALS) && (s = bend_normals(r, err)))
+        return s;
+    sheen_progress_timed(&r->o.progress, "normals", watch);
     return SHEEN_OK;
 }
 
@@ -76,30 +127,14 @@ static sheen_status improve(sheen_refined_state *r, sheen_err *err)
         return s;
     sheen_stopwatch watch = sheen_stopwatch_now();
     m->shadows = has(r, SHEEN_EXTENSION_SHADOWS);
-    m->sigma_rad = 0.03; // until lamps are found
+    m->sigma_rad = turned(r) ? 0.05 : 0.03; // until lamps are found
     m->frequency = r->f->geodesic.frequency;
     m->n_hemisphere = r->f->geodesic.n_nodes;
-    if (m->moving == SHEEN_MOVING_OBJECT)
-        return sheen_refined_turned(r, SHEEN_REFINED_ROUNDS, &watch, err);
-    if ((s = sheen_refined_light_views(r, err))) // no lamps yet: what is mirrored
+    if ((s = start_texture(r, err)))
         return s;
-    for (r->round = 0; r->round < SHEEN_REFINED_ROUNDS; r->round++) {
-        // The first residuals are those of the minimum, which holds what all views mirror
-        if ((r->round && (s = sheen_refined_residuals(r, err))) || (s = estimate_lights(r, err)))
+    for (r->round = 0; r->round < SHEEN_REFINED_ROUNDS; r->round++)
+        if ((s = improve_once(r, &watch, err)))
             return s;
-        sheen_progress_timed(&r->o.progress, "lights and roughness", &watch);
-        if (r->round == 1) // by now the object's own mirror images show its texture
-            r->keep_mirrored = 0;
-        if ((s = sheen_refined_light_views(r, err)))
-            return s;
-        if (has(r, SHEEN_EXTENSION_BOARD) || has(r, SHEEN_EXTENSION_AMBIENT))
-            fit_surroundings(r);
-        sheen_diffuse_fit(&m->texture, &m->surroundings, r->views, r->lights, r->f->n_views, r->o.n_threads);
-        sheen_progress_timed(&r->o.progress, "texture and surroundings", &watch);
-        if (r->round > 0 && has(r, SHEEN_EXTENSION_NORMALS) && (s = bend_normals(r, err)))
-            return s;
-        sheen_progress_timed(&r->o.progress, "normals", &watch);
-    }
     return sheen_fill_holes(&m->texture, r->mesh, err);
 }
 

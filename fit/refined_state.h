@@ -56,8 +56,4 @@ sheen_status sheen_lamp_proof_take(sheen_lamp_proof *out, const sheen_refined_st
 // Nodes of the hemisphere and their lobe instead. consistency: share of the views that must agree on a node. EDATA: no highlight.
 sheen_status sheen_refined_nodes(sheen_refined_state *r, float consistency, sheen_err *err);
 
-// All rounds for an object that turned (refined_turned.c): surroundings, light and albedo, and nodes, in turns; one round more
-// of the first two than `rounds`.
-sheen_status sheen_refined_turned(sheen_refined_state *r, int rounds, sheen_stopwatch *watch, sheen_err *err);
-
 #endif

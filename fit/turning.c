@@ -16,38 +16,60 @@ static const float together_cos = 0.985f;                  // 10 degrees: the li
 static const double noise_lin = 0.01, lights_doubt = 0.15; // as fit/diffuse.c has them
 static const float least_share = 0.01f;                    // of all light, that a lamp must give
 
-// Takes the brightest light and all about it, until little is left.
-void sheen_turning_lamps(sheen_irradiance *e, const sheen_lights *lights)
+// One of the model's lights, node or lamp.
+typedef struct source {
+    float l_world[3], per_m, weight;
+    bool taken;
+} source;
+
+static source source_at(const sheen_model *m, size_t i)
 {
-    bool *taken = calloc(lights->count + 1, sizeof *taken);
+    if (i < m->lights.count)
+        return (source){.l_world = {m->lights.dx[i], m->lights.dy[i], m->lights.dz[i]},
+                        .weight = (float)m->k_s * m->lights.weight[i]};
+    const sheen_lamp *lamp = &m->lamps[i - m->lights.count];
+    source l = {.per_m = lamp->inverse_distance_per_m, .weight = sheen_luminance(lamp->rgb)};
+    memcpy(l.l_world, lamp->direction_world, sizeof l.l_world);
+    return l;
+}
+
+// Takes the brightest light and all about it, until little is left.
+void sheen_turning_lamps(sheen_irradiance *e, const sheen_model *m)
+{
+    const size_t count = m->lights.count + m->n_lamps;
+    source *lights = calloc(count + 1, sizeof *lights);
     float total = 0;
     e->n_lamps = 0;
-    for (size_t i = 0; i < lights->count; i++)
-        total += lights->weight[i];
-    while (taken && e->n_lamps < SHEEN_IRRADIANCE_MAX_LAMPS) {
-        size_t brightest = lights->count;
-        float sum[3] = {0, 0, 0}, weight = 0;
-        for (size_t i = 0; i < lights->count; i++)
-            if (!taken[i] && (brightest == lights->count || lights->weight[i] > lights->weight[brightest]))
-                brightest = i;
-        if (brightest == lights->count)
-            break;
-        const float l[3] = {lights->dx[brightest], lights->dy[brightest], lights->dz[brightest]};
-        for (size_t i = 0; i < lights->count; i++) {
-            const float d[3] = {lights->dx[i], lights->dy[i], lights->dz[i]};
-            if (taken[i] || sheen_dotf(l, d) < together_cos)
-                continue;
-            taken[i] = true;
-            weight += lights->weight[i];
-            for (int k = 0; k < 3; k++)
-                sum[k] += lights->weight[i] * d[k];
-        }
-        if (weight < least_share * total || !(sheen_normalizef(sum) > 0))
-            continue;
-        memcpy(e->lamps[e->n_lamps].l_world, sum, sizeof sum);
-        e->n_lamps++;
+    for (size_t i = 0; i < count && lights; i++) {
+        lights[i] = source_at(m, i);
+        total += lights[i].weight;
     }
-    free(taken);
+    while (lights && e->n_lamps < SHEEN_IRRADIANCE_MAX_LAMPS) {
+        const source *brightest = NULL;
+        source sum = {.weight = 0};
+        for (size_t i = 0; i < count; i++)
+            if (!lights[i].taken && (!brightest || lights[i].weight > brightest->weight))
+                brightest = &lights[i];
+        if (!brightest)
+            break;
+        const source first = *brightest;
+        for (size_t i = 0; i < count; i++) {
+            source *l = &lights[i];
+            if (l->taken || sheen_dotf(first.l_world, l->l_world) < together_cos)
+                continue;
+            l->taken = true;
+            sum.weight += l->weight;
+            sum.per_m += l->weight * l->per_m;
+            for (int k = 0; k < 3; k++)
+                sum.l_world[k] += l->weight * l->l_world[k];
+        }
+        if (sum.weight < least_share * total || !(sheen_normalizef(sum.l_world) > 0))
+            continue;
+        sheen_irradiance_lamp *lamp = &e->lamps[e->n_lamps++];
+        *lamp = (sheen_irradiance_lamp){.inverse_distance_per_m = sum.per_m / sum.weight};
+        memcpy(lamp->l_world, sum.l_world, sizeof lamp->l_world);
+    }
+    free(lights);
 }
 
 // What a view shows of a texel, less all that is not diffuse.
@@ -61,21 +83,27 @@ static void observe(sheen_lit_sample *s, const sheen_refined_state *r, size_t v,
     const float *above = l->above_world + 3 * texel;
     float mirrored[3];
     memcpy(mirrored, l->mirrored_rgb + 3 * texel, sizeof mirrored);
-    if (above[2] > 0)
+    if (e->present && above[2] > 0)
         sheen_surroundings_radiance(mirrored, e, p_obj, above);
-    const float F = sheen_fresnel(e->f0, l->cosine[texel]);
+    const float F = e->present ? (l->gloss ? l->gloss[texel] : 1) * sheen_fresnel(e->f0, l->cosine[texel])
+                               : 0;
     for (size_t c = 0; c < 3; c++)
         s->rgb[c] = r->views[v].rgb[3 * texel + c] - l->lights_rgb[3 * texel + c] - F * mirrored[c];
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         s->n_world[i] = sheen_dotf(sh->R_world_obj[i], n_obj);
+        s->x_m[i] = sheen_dotf(sh->R_world_obj[i], p_obj) + sh->t_world_obj[i] -
+                    (float)r->f->model.lamp_origin_world[i];
+    }
     const double doubt = lights_doubt * (double)sheen_luminance(l->lights_rgb + 3 * texel);
     s->weight = (float)((double)l->cosine[texel] / (1 + doubt * doubt / (noise_lin * noise_lin)));
     s->view = (int)v;
     s->lit = 0;
-    for (int j = 0; j < light->n_lamps; j++)
-        if (sheen_dotf(s->n_world, light->lamps[j].l_world) > 0 &&
-            !sheen_shade_hidden(sh, p_obj, s->n_world, light->lamps[j].l_world))
+    for (int j = 0; j < light->n_lamps; j++) {
+        float l_world[3];
+        if (sheen_irradiance_lamp_cosine(l_world, &light->lamps[j], s->x_m, s->n_world) > 0 &&
+            !sheen_shade_hidden(sh, p_obj, s->n_world, l_world))
             s->lit |= (uint32_t)1 << j;
+    }
 }
 
 static size_t observe_texel(sheen_lit_sample out[MAX_VIEWS], const sheen_refined_state *r, size_t texel,
@@ -149,17 +177,22 @@ static void fit_triangles(void *self, size_t begin, size_t end)
     }
 }
 
-sheen_status sheen_turning_diffuse(sheen_refined_state *r, bool choose, sheen_err *err)
+sheen_status sheen_turning_diffuse(sheen_refined_state *r, sheen_err *err)
 {
     sheen_irradiance *e = &r->f->model.irradiance;
     sheen_lit_texels texels;
+    const bool before = e->n_lamps > 0;
+    sheen_turning_lamps(e, &r->f->model);
+    e->present = 0; // with other lamps, from the start
+    if (!e->n_lamps)
+        e->degree = 2;
     sheen_status s = gather(&texels, r, err);
     if (s)
         return s;
-    if (choose)
-        s = sheen_irradiance_choose_degree(&e->degree, e, &texels, (int)r->f->n_views, err);
+    if (e->n_lamps && !before)
+        s = sheen_irradiance_choose_degree(&e->degree, e, &texels, err);
     if (!s)
-        s = sheen_irradiance_fit(e, &texels, 0, ROUNDS, err);
+        s = sheen_irradiance_fit(e, &texels, SHEEN_NO_FOLD, ROUNDS, err);
     sheen_lit_texels_release(&texels);
     if (s)
         return s;

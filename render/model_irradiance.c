@@ -6,6 +6,9 @@
 #include "base/pose3.h"
 #include "render/model_private.h"
 
+// Direction, colour, inverse distance.
+enum { LAMP_NUMBERS = 7 };
+
 static int in_range(const double *x, size_t n, double least, double most)
 {
     for (size_t i = 0; i < n; i++)
@@ -23,7 +26,8 @@ sheen_status sheen_model_check_irradiance(const sheen_irradiance *e, sheen_statu
                in_range(&e->rgb[0][0], 3 * SHEEN_AMBIENT_TERMS, -1e6, 1e6);
     for (int j = 0; good && j < e->n_lamps; j++)
         good = in_range(e->lamps[j].rgb, 3, 0, 1e6) &&
-               fabsf(sheen_dotf(e->lamps[j].l_world, e->lamps[j].l_world) - 1) < 1e-3f;
+               fabsf(sheen_dotf(e->lamps[j].l_world, e->lamps[j].l_world) - 1) < 1e-3f &&
+               e->lamps[j].inverse_distance_per_m >= 0 && e->lamps[j].inverse_distance_per_m <= 1e4f;
     return good ? SHEEN_OK : sheen_fail(err, code, "the light 'irradiance' is out of range");
 }
 
@@ -43,13 +47,14 @@ void sheen_model_put_irradiance(sheen_json_writer *w, const sheen_model *m)
     sheen_json_open(w, "lamps", '[');
     for (int j = 0; j < e->n_lamps; j++) {
         const sheen_irradiance_lamp *lamp = &e->lamps[j];
-        const double row[6] = {(double)lamp->l_world[0],
-                               (double)lamp->l_world[1],
-                               (double)lamp->l_world[2],
-                               lamp->rgb[0],
-                               lamp->rgb[1],
-                               lamp->rgb[2]};
-        sheen_json_put_numbers(w, NULL, row, 6);
+        const double row[LAMP_NUMBERS] = {(double)lamp->l_world[0],
+                                          (double)lamp->l_world[1],
+                                          (double)lamp->l_world[2],
+                                          lamp->rgb[0],
+                                          lamp->rgb[1],
+                                          lamp->rgb[2],
+                                          (double)lamp->inverse_distance_per_m};
+        sheen_json_put_numbers(w, NULL, row, LAMP_NUMBERS);
     }
     sheen_json_close(w);
     sheen_json_close(w);
@@ -83,8 +88,12 @@ sheen_status sheen_model_get_irradiance(sheen_model *m, const sheen_json *root, 
     for (size_t k = 0; k < n_terms; k++)
         read_row(e->rgb[k], sheen_json_at(harmonics, k), 3);
     for (size_t j = 0; j < n_lamps; j++) {
-        double row[6];
-        read_row(row, sheen_json_at(lamps, j), 6);
+        double row[LAMP_NUMBERS] = {0};
+        const sheen_json *given_row = sheen_json_at(lamps, j);
+        // Rows without the distance are of lamps infinitely far
+        read_row(row, given_row,
+                 sheen_json_count(given_row) == LAMP_NUMBERS - 1 ? LAMP_NUMBERS - 1 : LAMP_NUMBERS);
+        e->lamps[j].inverse_distance_per_m = (float)row[6];
         for (int k = 0; k < 3; k++) {
             e->lamps[j].l_world[k] = (float)row[k];
             e->lamps[j].rgb[k] = row[3 + k];

@@ -108,6 +108,14 @@ static float shadowed_sum(const sheen_shading *s, const float p_obj[3], const fl
     return sum * sheen_lobe_inverse_cos(n, v);
 }
 
+// A point, in world, from the lamps' origin.
+static void from_lamp_origin(float x_m[3], const sheen_shading *s, const float p_obj[3])
+{
+    to_world(x_m, s, p_obj);
+    for (int i = 0; i < 3; i++)
+        x_m[i] += s->t_world_obj[i] - (float)s->model->lamp_origin_world[i];
+}
+
 // Adds the lamps' light, some at a time.
 static void add_lamps(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
                       const float n[3], const float v[3])
@@ -115,9 +123,7 @@ static void add_lamps(float rgb[3], const sheen_shading *s, const float p_obj[3]
     const sheen_model *m = s->model;
     const sheen_lobe_shape lobe = sheen_model_lobe(m);
     float x[3], response[AT_A_TIME];
-    to_world(x, s, p_obj);
-    for (int i = 0; i < 3; i++)
-        x[i] += s->t_world_obj[i] - (float)m->lamp_origin_world[i];
+    from_lamp_origin(x, s, p_obj);
     for (size_t begin = 0; begin < m->n_lamps; begin += AT_A_TIME) {
         const size_t n_now = m->n_lamps - begin < AT_A_TIME ? m->n_lamps - begin : AT_A_TIME;
         sheen_lamp_responses(response, s->lamps, begin, n_now, &lobe, x, n, v);
@@ -156,18 +162,20 @@ void sheen_shade_lights(float rgb[3], const sheen_shading *s, const float p_obj[
 void sheen_shade_irradiance(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3])
 {
     const sheen_irradiance *e = &s->model->irradiance;
-    float n[3], l_obj[3];
+    float n[3], x[3], l[3], l_obj[3];
     rgb[0] = rgb[1] = rgb[2] = 1;
     if (!e->present)
         return;
     to_world(n, s, n_obj);
     sheen_irradiance_ambient(rgb, e, n);
+    if (e->n_lamps)
+        from_lamp_origin(x, s, p_obj);
     for (int j = 0; j < e->n_lamps; j++) {
         const sheen_irradiance_lamp *lamp = &e->lamps[j];
-        const float cosine = sheen_dotf(n, lamp->l_world);
+        const float cosine = sheen_irradiance_lamp_cosine(l, lamp, x, n);
         if (!(cosine > 0))
             continue;
-        to_obj(l_obj, s, lamp->l_world);
+        to_obj(l_obj, s, l);
         if (!blocked(s, p_obj, n_obj, l_obj))
             for (int c = 0; c < 3; c++)
                 rgb[c] += cosine * (float)lamp->rgb[c];

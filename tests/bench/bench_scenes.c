@@ -2,11 +2,12 @@
 // bench_scenes.c - every method on exact scenes, a row each: what is recovered, and how well held-out views are predicted.
 //
 //     bench_scenes [--method NAME] [--seeds FIRST-LAST] [--size SHARE] [--but WHAT,...] [--without NAME,...]
-//                  [--ablation] [--lamps] [--pictures DIR] [SCENE...]
+//                  [--ablation] [--lamps] [--views N] [--turned HEIGHTS] [--pictures DIR] [SCENE...]
 //
 // --but takes a difficulty out of the scenes: near, discs, coloured, ggx, k_s-map, pose, normals. --without leaves extensions
 // (fit/extensions.h) out of the refined method; --ablation adds a row without each of them in turn. --lamps lists the lamps
-// found, each beside the true light nearest to it.
+// found, each beside the true light nearest to it. --views asks for so many photographs to fit instead of 8; with --turned
+// they are of an object that turns under its lights, seen by a camera at so many heights, one after the other.
 //
 // Columns: sigma's error; lights found of six; worst direction (minutes of arc), distance and strength of those; PSNR of the
 // specular layer (linear) and of a black one; PSNR of the composite (sRGB), of the model's diffuse layer under the true
@@ -29,6 +30,7 @@ typedef struct arguments {
     sheen_extensions without;
     int ablation, print_lamps, first, last;
     double size;
+    int n_inputs, n_heights; // 0: as the scene has them
 } arguments;
 
 static double cpu_s(void)
@@ -106,7 +108,8 @@ static void fit_scene(const exact_scene *s, const char *label, sheen_fit_method 
     assert_non_null(inputs.photos);
     memcpy(inputs.photos, s->inputs.photos, inputs.count * sizeof *inputs.photos);
     const double start_s = cpu_s();
-    const sheen_status status = sheen_fit_make(&f, method, SHEEN_MOVING_CAMERA, &s->mesh, &inputs, &o, &err);
+    const sheen_status status = sheen_fit_make(
+        &f, method, s->o.n_heights ? SHEEN_MOVING_OBJECT : SHEEN_MOVING_CAMERA, &s->mesh, &inputs, &o, &err);
     if (status) {
         printf("%-22s %-9s %s\n", label, sheen_fit_method_name(method), err.msg);
         free(inputs.photos);
@@ -154,6 +157,8 @@ static void run_scene(const arguments *a, const char *name, int seed)
         exit(2);
     }
     o.size = a->size;
+    o.n_inputs = (size_t)a->n_inputs;
+    o.n_heights = (size_t)a->n_heights;
     ease(&o, a->but);
     snprintf(label, sizeof label, "%s %d", name, seed);
     exact_scene_make(&s, &o);
@@ -190,6 +195,10 @@ int main(int argc, char **argv)
             a.pictures = argv[++i];
         else if (!strcmp(argv[i], "--size") && i + 1 < argc)
             a.size = strtod(argv[++i], NULL);
+        else if (!strcmp(argv[i], "--views") && i + 1 < argc)
+            a.n_inputs = (int)strtol(argv[++i], NULL, 10);
+        else if (!strcmp(argv[i], "--turned") && i + 1 < argc)
+            a.n_heights = (int)strtol(argv[++i], NULL, 10);
         else if (!strcmp(argv[i], "--seeds") && i + 1 < argc) {
             char *end;
             a.first = a.last = (int)strtol(argv[++i], &end, 10);

@@ -378,19 +378,67 @@ static void make_gains(exact_scene *s, uint64_t *seed)
             s->gain[i][c] = exp(s->gain[i][c] - mean[c]);
 }
 
+static void stand(sheen_photo *p, size_t i, double az, double el)
+{
+    snprintf(p->name, sizeof p->name, "view%02zu", i);
+    test_look(p->rt_cam_obj, 0.55 * cos(el) * cos(az), 0.55 * cos(el) * sin(az), 0.55 * sin(el));
+}
+
 static void pose_ring(sheen_photos *photos, size_t n, double turn_rad, double elevation_rad)
 {
     photos->photos = calloc(n, sizeof *photos->photos);
     assert_non_null(photos->photos);
     photos->count = n;
-    for (size_t i = 0; i < n; i++) {
-        const double az = turn_rad + 2 * pi * (double)i / (double)n;
+    for (size_t i = 0; i < n; i++)
         // Every other view a little higher, so that the cameras are not on one circle
-        const double el = elevation_rad + (i % 2 ? 0.09 : -0.09);
-        snprintf(photos->photos[i].name, sizeof photos->photos[i].name, "view%02zu", i);
-        test_look(photos->photos[i].rt_cam_obj, 0.55 * cos(el) * cos(az), 0.55 * cos(el) * sin(az),
-                  0.55 * sin(el));
+        stand(&photos->photos[i], i, turn_rad + 2 * pi * (double)i / (double)n,
+              elevation_rad + (i % 2 ? 0.09 : -0.09));
+}
+
+// World is the object's frame where the turn is 0: the first input's.
+static void pose_turns(sheen_photos *photos, size_t n, double turn_rad, double elevation_rad,
+                       size_t n_heights)
+{
+    const double step_rad = 20 * pi / 180;
+    double rt_cam_world[6];
+    photos->photos = calloc(n, sizeof *photos->photos);
+    assert_non_null(photos->photos);
+    photos->count = n;
+    for (size_t i = 0; i < n; i++) {
+        sheen_photo *p = &photos->photos[i];
+        const size_t per_height = (n + n_heights - 1) / n_heights, height = i / per_height;
+        const double el = elevation_rad + step_rad * (double)height,
+                     turn = turn_rad + 2 * pi * (double)(i % per_height) / (double)per_height;
+        stand(p, i, 0, el);
+        memcpy(rt_cam_world, p->rt_cam_obj, sizeof rt_cam_world);
+        stand(p, i, turn, el);
+        p->rt_world_obj[2] = -turn; // about the object's z
+        if (!i)
+            sheen_rt_invert(photos->rt_world_cam, rt_cam_world);
     }
+}
+
+// The stage as it is while the object stands as in a photograph: in the object's frame the lights turn the other way.
+static void turn_lights(stage *st, exact_scene *turned, const sheen_photo *p)
+{
+    const double turn = -p->rt_world_obj[2];
+    for (int i = 0; i < EXACT_LIGHTS; i++) {
+        const double *v = st->s->lights[i].v_world;
+        double *to = turned->lights[i].v_world;
+        to[0] = cos(turn) * v[0] - sin(turn) * v[1];
+        to[1] = sin(turn) * v[0] + cos(turn) * v[1];
+    }
+    st->s = turned;
+    sheen_parallel_for(st->mesh->n_triangles, 64, 0, irradiate, st);
+}
+
+static void draw_photo(sheen_image *diffuse, sheen_image *specular, stage *st, const sheen_photo *p)
+{
+    stage now = *st;
+    exact_scene turned = *st->s;
+    if (st->s->o.n_heights)
+        turn_lights(&now, &turned, p);
+    draw(diffuse, specular, &now, &st->s->inputs.cam, p->rt_cam_obj);
 }
 
 static void photograph(exact_scene *s, stage *st, uint64_t *seed)
@@ -400,7 +448,7 @@ static void photograph(exact_scene *s, stage *st, uint64_t *seed)
         sheen_photo *p = &s->inputs.photos[i];
         sheen_image diffuse, specular;
         memcpy(s->rt_cam_obj[i], p->rt_cam_obj, sizeof p->rt_cam_obj);
-        draw(&diffuse, &specular, st, &s->inputs.cam, p->rt_cam_obj);
+        draw_photo(&diffuse, &specular, st, p);
         compose(&p->image, &diffuse, &specular);
         spoil_image(s, &p->image, s->gain[i], seed, counts);
         spoil_pose(s, p->rt_cam_obj, seed);
@@ -409,7 +457,7 @@ static void photograph(exact_scene *s, stage *st, uint64_t *seed)
     }
     s->clipped_share = counts[1] / counts[0];
     for (size_t i = 0; i < s->tests.count; i++) {
-        draw(&s->diffuse[i], &s->specular[i], st, &s->tests.cam, s->tests.photos[i].rt_cam_obj);
+        draw_photo(&s->diffuse[i], &s->specular[i], st, &s->tests.photos[i]);
         compose(&s->tests.photos[i].image, &s->diffuse[i], &s->specular[i]);
     }
 }
@@ -433,8 +481,15 @@ static void allocate(exact_scene *s)
     const int width = (int)(1280 * size), height = (int)(960 * size);
     test_camera(&s->inputs.cam, width, height, 1700 * size, 0);
     s->tests.cam = s->inputs.cam;
-    pose_ring(&s->inputs, s->o.n_inputs ? s->o.n_inputs : 8, 0.1, 0.61);
-    pose_ring(&s->tests, s->o.n_tests ? s->o.n_tests : 4, 0.5, 0.66);
+    const size_t n_inputs = s->o.n_inputs ? s->o.n_inputs : 8, n_tests = s->o.n_tests ? s->o.n_tests : 4;
+    if (s->o.n_heights) {
+        const double el = (s->o.elevation_deg > 0 ? s->o.elevation_deg : 35) * pi / 180;
+        pose_turns(&s->inputs, n_inputs, 0, el, s->o.n_heights);
+        pose_turns(&s->tests, n_tests, 0.37, el, 1);
+    } else {
+        pose_ring(&s->inputs, n_inputs, 0.1, 0.61);
+        pose_ring(&s->tests, n_tests, 0.5, 0.66);
+    }
     s->rt_cam_obj = calloc(s->inputs.count, sizeof *s->rt_cam_obj);
     s->gain = calloc(s->inputs.count, sizeof *s->gain);
     s->diffuse = calloc(s->tests.count, sizeof *s->diffuse);

@@ -4,7 +4,8 @@
 // The object is a bumpy figure or a sphere, painted in Voronoi cells with hard edges. Its diffuse part is albedo times
 // irradiance with cast shadows; its specular part is eq. (7) of the paper, or the GGX microfacet model written out here (and
 // nowhere else), each light falling off with the square of its distance and shadowed by the figure. A layout of lights
-// follows from the seed. Photographs are then spoilt as asked: noise, 8 bits, clipping, exposure, wrong poses and normals.
+// follows from the seed. On a turntable the camera stands still, at one height or one after the other, and the
+// object turns under the lights; views to score are from the first height. Photographs are then spoilt as asked: noise, 8 bits, clipping, exposure, wrong poses and normals.
 #ifndef SHEEN_TESTS_FIT_EXACT_SCENE_H
 #define SHEEN_TESTS_FIT_EXACT_SCENE_H
 
@@ -32,6 +33,8 @@ typedef struct exact_options {
     double white_balance;  // red and blue gains differ by up to this share, either way
     double size;           // of the pictures: 1 is 1280 x 960; 0: 1
     size_t n_inputs, n_tests; // 0: 8 and 4
+    size_t n_heights;     // of a camera that stands still while the object turns; 0: the object stands still
+    double elevation_deg; // of a turntable's first camera, the others 20 degrees higher each; 0: 35
 } exact_options;
 
 typedef struct exact_light {

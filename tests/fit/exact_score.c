@@ -134,7 +134,8 @@ static void score_view(exact_score *out, const exact_scene *s, const sheen_drawi
     sheen_layers l;
     sheen_image black;
     sheen_err err;
-    assert_ok(sheen_draw(&l, drawing, cam, s->tests.photos[view].rt_cam_obj, NULL, NULL, &err), err);
+    const double *rt_cam_obj = s->tests.photos[view].rt_cam_obj;
+    assert_ok(sheen_draw(&l, drawing, cam, rt_cam_obj, s->tests.photos[view].rt_world_obj, NULL, &err), err);
     assert_ok(sheen_image_init(&black, cam->width_px, cam->height_px, 3, &err), err);
     uint8_t *select = calloc(n, 1);
     assert_non_null(select);

@@ -95,7 +95,7 @@ static sheen_irradiance fitted(const scene *s, int degree)
     sheen_irradiance e = {.degree = degree, .n_lamps = s->truth.n_lamps};
     sheen_err err;
     memcpy(e.lamps, s->truth.lamps, sizeof e.lamps);
-    assert_ok(sheen_irradiance_fit(&e, &s->texels, 0, 25, &err), err);
+    assert_ok(sheen_irradiance_fit(&e, &s->texels, SHEEN_NO_FOLD, 25, &err), err);
     return e;
 }
 
@@ -163,7 +163,7 @@ static void the_degree_is_the_one_that_predicts(void **state)
         sheen_err err;
         int found;
         make(&s, degree, 0, 0.005, true);
-        assert_ok(sheen_irradiance_choose_degree(&found, &s.truth, &s.texels, N_VIEWS, &err), err);
+        assert_ok(sheen_irradiance_choose_degree(&found, &s.truth, &s.texels, &err), err);
         assert_int_equal(found, degree);
         drop(&s);
     }
