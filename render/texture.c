@@ -151,7 +151,8 @@ float sheen_texture_sample(const sheen_texture *t, const sheen_hit *hit, float r
     return sample_cell(t, texel, weight, rgb);
 }
 
-// cell_at of LANES hits without a branch; texels are counted from the triangle's first.
+// cell_at of LANES hits without a branch (gcc 12 makes none of integers; non-negative floats order like their bits); texels are
+// counted from the triangle's first.
 typedef struct cells {
     int32_t texel[3][LANES];
     float weight[3][LANES];
@@ -160,24 +161,27 @@ typedef struct cells {
 SHEEN_KERNEL_INLINE void cells_at(cells *out, int T, const sheen_hit *hits)
 {
     const int last = T - 1;
+    const int32_t one_bits = 0x3f800000; // of 1.0f
 #pragma omp simd
     for (int k = 0; k < LANES; k++) {
         const float a = hits[k].b1 * (float)last, b = hits[k].b2 * (float)last;
-        const int i0 = (int)a, j0 = (int)b, i1 = i0 < 0 ? 0 : i0, j1 = j0 < 0 ? 0 : j0;
-        const int i2 = i1 > last - 1 ? last - 1 : i1, j2 = j1 > last - 1 ? last - 1 : j1;
-        const int over = i2 + j2 > last - 1;
-        const int i = over & (i2 > 0) ? last - 1 - j2 : i2, j = over & (i2 <= 0) ? last - 1 - i2 : j2;
+        const int i0 = (int)a, j0 = (int)b, j1 = j0 < 0 ? 0 : j0, j = j1 > last - 1 ? last - 1 : j1;
+        const int i1 = i0 < 0 ? 0 : i0, i = i1 > last - 1 - j ? last - 1 - j : i1;
         const float fi = a - (float)i, fj = b - (float)j, f = fi + fj;
-        const float scale = 1 / (f > 1 ? f : 1);
-        const int upright = (f <= 1) | (i + j == last - 1);
-        const int at = j * T - j * (j - 1) / 2 + i, above = at + T - j;
-        const float u1 = fi * scale, u2 = fj * scale;
-        out->texel[0][k] = upright ? at : above + 1;
+        int32_t bits;
+        memcpy(&bits, &f, sizeof bits);
+        const int32_t most_bits = bits > one_bits ? bits : one_bits;
+        const int32_t upright = (bits <= one_bits) | (i + j == last - 1);
+        float most; // of f and 1
+        memcpy(&most, &most_bits, sizeof most);
+        const float scale = 1 / most, up = (float)upright, down = 1 - up, u1 = fi * scale, u2 = fj * scale;
+        const int at = j * T - j * (j - 1) / 2 + i, row = T - j; // texels from (i, j) to (i, j + 1)
+        out->texel[0][k] = at + (1 - upright) * (row + 1);
         out->texel[1][k] = at + 1;
-        out->texel[2][k] = above;
-        out->weight[0][k] = upright ? 1 - u1 - u2 : f - 1;
-        out->weight[1][k] = upright ? u1 : 1 - fj;
-        out->weight[2][k] = upright ? u2 : 1 - fi;
+        out->texel[2][k] = at + row;
+        out->weight[0][k] = up * (1 - u1 - u2) + down * (f - 1);
+        out->weight[1][k] = up * u1 + down * (1 - fj);
+        out->weight[2][k] = up * u2 + down * (1 - fi);
     }
 }
 

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // bench_lobe.c - the lobe's sum at each level of instruction set, its reference, and the sum over cells.
+//
+// A share is of what kernels written by hand for these terms reached on an EPYC of the fourth generation at 2.6 GHz: 2.1
+// thousand million a second with AVX-512, and half of it with vectors of half the width.
 #include "render/lobe.h"
 
 #include <math.h>
@@ -123,8 +126,12 @@ int main(void)
         char name[64];
         j.sigma_rad = 0.0114f;
         for (j.level = 0; j.level <= sheen_cpu_level(); j.level++) {
+            static const double limits_per_ns[] = {0, 1.05, 2.1};
             snprintf(name, sizeof name, "lobe: level %d, %zu lights", j.level, j.lights.count);
-            bench(name, N_BRUTE * j.lights.count, 20, run_level, &j);
+            const double per_ns = 1 / bench(name, N_BRUTE * j.lights.count, 20, run_level, &j);
+            if (limits_per_ns[j.level] > 0)
+                printf("    %.2f terms a ns, %.0f %% of the limit\n", per_ns,
+                       100 * per_ns / limits_per_ns[j.level]);
         }
         bench("lobe: reference", N_BRUTE / 10 * j.lights.count, 3, run_ref, &j);
         bench("lobe: alpha2 of a pair", j.lights.count, 50, run_alpha, &j);
