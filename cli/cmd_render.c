@@ -309,7 +309,9 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
     if (!st) {
         v.options.samples_per_side = a.samples;
         v.options.n_threads = a.n_threads;
-        v.options.mark_holes = !a.holes || !strcmp(a.holes, "mark");
+        v.options.mark_holes = !a.changes.fill_holes;
+        if (a.holes && !strcmp(a.holes, "black")) // a fit may have filled them
+            memset(v.options.hole_rgb, 0, sizeof v.options.hole_rgb);
         v.lights_turn = a.lights && !strcmp(a.lights, "turn");
         v.turn_lights_rad = a.turn_lights_deg * rad_per_deg;
         if (a.turn_axis)

@@ -27,7 +27,7 @@ typedef struct sheen_draw_options {
     int samples_per_side;    // antialiasing: n x n samples a pixel; 0: 2
     int n_threads;           // 0: one per processor
     float hole_rgb[3];       // colour that marks surface which no photograph saw, linear
-    int mark_holes;          // else holes are black in the diffuse layer
+    int mark_holes;          // else a hole has what the texture was filled with there, or is black
     float background_rgb[3]; // composite's background, linear
 } sheen_draw_options;
 

@@ -24,6 +24,9 @@ sheen render s --view=-30,20 -o side.exr --layer specular --size 100x80
 sheen render s --poses transforms.json -o pictures --size 80x60 --format exr
 sheen render s --poses transforms.json -o pictures --size 160x160
 sheen render s --view 0,37,0.5 -o turned.png --turn-lights 90 --turn-axis 1,0,0 --k-s 2 --sigma 0.1 --tint 1,0.5,0.2 --background none --holes fill
+# black, although the fit has filled it
+sheen render s --view 180,-20,0.5 -o a.png --holes fill && sheen render s --view 180,-20,0.5 -o b.png --holes black
+cmp -s a.png b.png || rm a.png b.png
 sheen render s --view 0,37,0.5 -o sky.png --panorama turned.png
 @ sheen export s -o lit.glb
 sheen render s --view 0,37,0.5 -o sky.png --panorama lit-environment.hdr
