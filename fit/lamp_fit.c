@@ -22,6 +22,7 @@ enum { ALONG_A, ALONG_B, DISTANCE, RADIUS, STRENGTH };
 
 // A lamp's derivative below this light is not worth its time.
 static const float negligible_lin = 1e-4f;
+static const float narrow_share = 0.4f;                        // of sigma
 static const float max_radius_rad = 0.4f, max_nearness = 0.8f; // object's radius over the lamp's distance
 
 typedef struct steps {
@@ -81,13 +82,34 @@ static void move_lamp(sheen_lamp *lamp, const double by[PER_LAMP], float radius_
         lamp->rgb[c] *= next / Y;
 }
 
-// Of lamps begin .. begin + n at a sample, its gloss in it.
+// Does the normal change across the pixel by as much as shows in a lobe this narrow?
+static int is_spread(const sheen_lamp_sample *s, const sheen_lobe_shape *lobe)
+{
+    const float change2 = sheen_dotf(s->n_step[0], s->n_step[0]) + sheen_dotf(s->n_step[1], s->n_step[1]);
+    return change2 > narrow_share * narrow_share * lobe->sigma_rad * lobe->sigma_rad;
+}
+
+// Of lamps begin .. begin + n at a sample, its gloss in it: the mean over the pixel's quarters where that matters.
 static void respond(float *response, const sheen_lamp_points *points, size_t begin, size_t n,
                     const sheen_lobe_shape *lobe, const sheen_lamp_sample *s)
 {
-    sheen_lamp_responses(response, points, begin, n, lobe, s->x_m, s->n_world, s->v_world);
-    for (size_t l = 0; l < n; l++)
-        response[l] *= s->gloss;
+    if (!is_spread(s, lobe)) {
+        sheen_lamp_responses(response, points, begin, n, lobe, s->x_m, s->n_world, s->v_world);
+        for (size_t l = 0; l < n; l++)
+            response[l] *= s->gloss;
+        return;
+    }
+    memset(response, 0, n * sizeof *response);
+    for (int k = 0; k < 4; k++) {
+        const float right = k & 1 ? 0.25f : -0.25f, below = k & 2 ? 0.25f : -0.25f;
+        float normal[3], part[SHEEN_LAMP_FIT_MAX];
+        for (int c = 0; c < 3; c++)
+            normal[c] = s->n_world[c] + right * s->n_step[0][c] + below * s->n_step[1][c];
+        sheen_normalizef(normal);
+        sheen_lamp_responses(part, points, begin, n, lobe, s->x_m, normal, s->v_world);
+        for (size_t l = 0; l < n; l++)
+            response[l] += 0.25f * s->gloss * part[l];
+    }
 }
 
 static void hide_piece(void *self, size_t begin, size_t end)

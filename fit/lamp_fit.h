@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // lamp_fit.h - lamps and their lobe by Levenberg-Marquardt under the Lorentzian M-estimator.
 //
-// Residual of sample s in luminance: r_s = Y_s - sum_l hidden_sl' a_l R_l(x_s, n_s, v_s), R as in render/lamp.h, a_l the lamp's Y.
+// Residual of sample s in luminance: r_s = Y_s - sum_l hidden_sl' a_l R_l(x_s, n_s, v_s), R as in render/lamp.h, a_l the lamp's Y. Where the
+// normal changes across the pixel by more than 0.4 sigma, R is the mean over the pixel's four quarters, as a picture of 2 x 2 samples has it.
 // Minimises E = sum_s w_s log(1 + r_s^2 / (2 scale^2)), w_s the sample's weight: the sum form of eq. (9) and (11). A clipped sample counts only where the
 // model is darker than it: white is a lower bound.
 #ifndef SHEEN_FIT_LAMP_FIT_H

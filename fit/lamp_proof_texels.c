@@ -12,6 +12,8 @@
 enum { MOST_TEXELS = 20000, MAX_TEXELS = SHEEN_TEXTURE_MAX_EDGE * (SHEEN_TEXTURE_MAX_EDGE + 1) / 2 };
 
 static const float clipped_lin = 0.97f;
+static const float interpolated_pixels =
+    1.7f; // sqrt(3): variance 1/12 of a pixel, and 1/6, the mean of f (1 - f), of interpolation
 
 static void to_world(float out[3], const sheen_shading *s, const float v_obj[3])
 {
@@ -48,6 +50,34 @@ static void take(sheen_lamp_sample *out, const sheen_refined_state *r, size_t vi
         out->texture_root[c] = sqrtf(fmaxf(0, m->texture.rgb[3 * texel + c]));
     out->gloss = sheen_gloss_at_root(&m->gloss, out->texture_root);
     out->weight = r->lights[view].cosine[texel];
+}
+
+// Pixel that a texel is seen at; its neighbours tell how the normal changes there.
+static void place_in_picture(sheen_lamp_sample *s, const sheen_refined_state *r)
+{
+    sheen_Rt Rt_cam_obj;
+    double p_cam[3], q_px[2];
+    const double p_obj[3] = {(double)s->p_obj[0], (double)s->p_obj[1], (double)s->p_obj[2]};
+    sheen_Rt_from_rt(&Rt_cam_obj, r->photos->photos[s->view].rt_cam_obj);
+    sheen_Rt_point(p_cam, &Rt_cam_obj, p_obj);
+    s->x_px = s->y_px = -1;
+    if (!sheen_camera_project(&r->photos->cam, q_px, NULL, p_cam, 1, NULL) && fabs(q_px[0]) < 1e6 &&
+        fabs(q_px[1]) < 1e6) {
+        s->x_px = (int)lround(q_px[0]);
+        s->y_px = (int)lround(q_px[1]);
+    }
+}
+
+// A texel's colour is interpolated between pixels, each a mean over its own surface.
+static void spread(sheen_lamp_samples *samples, const sheen_refined_state *r)
+{
+    for (size_t i = 0; i < samples->count; i++)
+        place_in_picture(&samples->at[i], r);
+    sheen_refined_normal_steps(samples, r);
+    for (size_t i = 0; i < samples->count; i++)
+        for (int k = 0; k < 2; k++)
+            for (int c = 0; c < 3; c++)
+                samples->at[i].n_step[k][c] *= interpolated_pixels;
 }
 
 static size_t times_seen(const sheen_refined_state *r, size_t texel)
@@ -105,5 +135,6 @@ sheen_status sheen_lamp_proof_take(sheen_lamp_proof *out, const sheen_refined_st
         return sheen_fail_memory(err, (double)(room * sizeof *out->samples.at), "samples of texels");
     }
     fill(out, r, like->origin_world, step);
+    spread(&out->samples, r);
     return SHEEN_OK;
 }

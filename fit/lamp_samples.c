@@ -36,7 +36,7 @@ static sheen_lamp_sample *take(sheen_lamp_samples *out, const sheen_residual_pix
                                const sheen_Rt *Rt_world_obj, const sheen_gloss *gloss)
 {
     sheen_lamp_sample *s = &out->at[out->count++];
-    *s = (sheen_lamp_sample){.clipped = p->clipped};
+    *s = (sheen_lamp_sample){.clipped = p->clipped, .x_px = p->x_px, .y_px = p->y_px};
     to_world(s->x_m, Rt_world_obj, p->p_obj);
     for (int i = 0; i < 3; i++)
         s->x_m[i] -= out->origin_world[i];

@@ -9,11 +9,13 @@
 typedef struct sheen_lamp_sample {
     float x_m[3]; // the surface point from the lamps' origin, frame world
     float n_world[3], v_world[3], p_obj[3];
-    float rgb[3], Y;       // residual, linear
-    float gloss;           // by which the place shines (gloss.h)
+    float n_step[2][3]; // by what the normal differs in the next pixel to the right, and below; 0: not known
+    float rgb[3], Y;    // residual, linear
+    float gloss;        // by which the place shines (gloss.h)
     float texture_root[3]; // square root of its texture's colour
     float weight;          // by how many times a lit sample's pixels it stands for
     uint32_t view;
+    int x_px, y_px;  // in it
     uint8_t clipped; // the photograph is at its upper end: the residual is a lower bound
     uint8_t lit;     // Y above the threshold, or clipped
 } sheen_lamp_sample;

@@ -123,6 +123,8 @@ sheen_status sheen_refined_lamps(sheen_refined_state *r, sheen_err *err)
     if (!s)
         s = sheen_lamp_samples_take(&samples, r->f->residuals, r->photos, centre_obj, radius_m, &so, err);
     if (!s)
+        sheen_refined_normal_steps(&samples, r);
+    if (!s)
         s = sheen_lamp_proof_take(&proof, r, &samples, err);
     const sheen_lamp_list_options o = list_options(r, &proof);
     const int gloss_before = r->f->model.gloss.n;

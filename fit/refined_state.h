@@ -48,6 +48,9 @@ sheen_status sheen_refined_residuals(sheen_refined_state *r, sheen_err *err);
 // Lamps and their lobe from the residuals.
 sheen_status sheen_refined_lamps(sheen_refined_state *r, sheen_err *err);
 
+// n_step of samples that were taken from r's residuals. Those are clear of depth edges: their neighbours lie on the same surface.
+void sheen_refined_normal_steps(sheen_lamp_samples *samples, const sheen_refined_state *r);
+
 // What lamps are judged by, from an even choice of the texels that two photographs or more see; origin and size as in the lamps'
 // samples. ENOMEM.
 sheen_status sheen_lamp_proof_take(sheen_lamp_proof *out, const sheen_refined_state *r,

@@ -206,12 +206,53 @@ static void what_one_view_claims_is_no_lamp(void **state)
     sheen_lamp_samples_release(&samples);
 }
 
+// A pixel in which the normal changes by more than sigma shows a blurred lobe: the lobe itself is found.
+static void curved_pixels(void **state)
+{
+    (void)state;
+    enum { SIDE = 8 };
+    stage st = {.n = 2, .lobe = {0.03f, 0, 0}, .noise = 0, .white = 1e9};
+    st.lamps[0] = lamp_at(20, 40, 0, 0, white);
+    st.lamps[1] = lamp_at(-130, 60, 0, 0, warm);
+    sheen_lamp_samples samples;
+    sheen_lamp_list list;
+    take_samples(&samples, &st);
+    for (size_t i = 0; i < samples.count; i++) {
+        sheen_lamp_sample *s = &samples.at[i];
+        const float up[3] = {0, 0, 1};
+        double sum = 0;
+        sheen_crossf(s->n_step[0], up, s->n_world);
+        sheen_crossf(s->n_step[1], s->n_world, s->n_step[0]);
+        for (int c = 0; c < 3; c++) {
+            s->n_step[0][c] *= 0.04f;
+            s->n_step[1][c] *= 0.03f;
+        }
+        for (int k = 0; k < SIDE * SIDE; k++) {
+            const float right = (float)(k % SIDE) / SIDE - 0.4375f,
+                        below = (float)(k / SIDE) / SIDE - 0.4375f;
+            float n[3];
+            double response[6];
+            for (int c = 0; c < 3; c++)
+                n[c] = s->n_world[c] + right * s->n_step[0][c] + below * s->n_step[1][c];
+            sheen_normalizef(n);
+            sheen_lamp_responses_ref(response, st.lamps, st.n, &st.lobe, s->x_m, n, s->v_world);
+            for (size_t l = 0; l < st.n; l++)
+                sum += response[l] * (double)sheen_luminance(st.lamps[l].rgb) / (SIDE * SIDE);
+        }
+        s->Y = s->rgb[0] = s->rgb[1] = s->rgb[2] = (float)sum;
+        s->lit = s->Y > 0.04f;
+    }
+    find(&list, &st, &samples, 2);
+    assert_int_equal(list.n, 2);
+    assert_close((double)list.lobe.sigma_rad, 0.03, 0.0009);
+    sheen_lamp_samples_release(&samples);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(near_far_disc_and_colour),
-        cmocka_unit_test(clipped_highlights),
-        cmocka_unit_test(heavy_tails_and_fresnel),
+        cmocka_unit_test(near_far_disc_and_colour),        cmocka_unit_test(clipped_highlights),
+        cmocka_unit_test(heavy_tails_and_fresnel),         cmocka_unit_test(curved_pixels),
         cmocka_unit_test(what_one_view_claims_is_no_lamp),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
