@@ -19,9 +19,10 @@ enum { IRRADIANCE_EDGE = 6 };
 
 static const double pi = 3.14159265358979323846;
 
-const char *const exact_scene_names[] = {
-    "far",     "near",      "sphere", "sigma-.0114", "sigma-.1", "noise",    "discs", "coloured",   "ggx",
-    "k_s-map", "saturated", "pose",   "pose-1.5",    "normals",  "embossed", "drift", "everything", NULL};
+const char *const exact_scene_names[] = {"far",      "near",      "sphere",     "sigma-.0114", "sigma-.1",
+                                         "noise",    "discs",     "coloured",   "ggx",         "k_s-map",
+                                         "matte",    "saturated", "pose",       "pose-1.5",    "normals",
+                                         "embossed", "drift",     "everything", NULL};
 
 static int is(const char *name, const char *scene)
 {
@@ -43,6 +44,7 @@ int exact_scene_options(exact_options *out, const char *name, uint64_t seed)
                                                          : 0,
                            .coloured = is(name, "coloured") || all,
                            .k_s_map = is(name, "k_s-map") || all,
+                           .matte = is(name, "matte"),
                            .sigma_rad = is(name, "sigma-.0114")                        ? 0.0114
                                         : is(name, "sigma-.1") || is(name, "embossed") ? 0.1
                                                                                        : 0.03,
@@ -96,7 +98,7 @@ static void paint(exact_scene *s, uint64_t *seed)
     for (int i = 0; i < EXACT_COLOURS; i++) {
         for (int c = 0; c < 3; c++)
             s->albedo[i][c] = 0.06 + 0.6 * test_random(seed);
-        s->k_s[i] = s->o.k_s_map ? levels[i % 3] : 1;
+        s->k_s[i] = s->o.matte ? 0 : s->o.k_s_map ? levels[i % 3] : 1;
     }
     for (int i = 0; i < EXACT_CELLS; i++) {
         test_direction(s->cell_obj[i], seed);

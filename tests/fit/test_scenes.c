@@ -73,6 +73,35 @@ static void no_lamp_too_few_or_too_many(void **state)
     }
 }
 
+// Nothing shines: no lamp, or hardly any light, and photographs predicted no worse than by the minimum texture.
+static void a_matte_object_gets_no_highlights(void **state)
+{
+    (void)state;
+    exact_options o;
+    exact_scene s;
+    exact_score e[2];
+    sheen_err err;
+    assert_true(exact_scene_options(&o, "matte", 31));
+    o.size = 0.33;
+    exact_scene_make(&s, &o);
+    for (int i = 0; i < 2; i++) {
+        sheen_paper_fit f;
+        const sheen_paper_options fo = {.stop_after = i ? SHEEN_PAPER_TEXTURE : SHEEN_PAPER_ALL};
+        assert_ok(sheen_fit_make(&f, i ? SHEEN_FIT_PAPER : SHEEN_FIT_REFINED, SHEEN_MOVING_CAMERA, &s.mesh,
+                                 &s.inputs, &fo, &err),
+                  err);
+        exact_score_model(&e[i], &s, &f.model);
+        exact_score_print(stdout, i ? "minimum" : "matte", "", &e[i]);
+        if (!i)
+            print_message("%zu lamps, k_S %.4f, surroundings %d\n", f.model.n_lamps, f.model.k_s,
+                          f.model.surroundings.present);
+        sheen_paper_fit_release(&f);
+    }
+    assert_true(e[0].specular_db > 55);
+    assert_true(e[0].composite_db >= e[1].composite_db);
+    exact_scene_release(&s);
+}
+
 // Texture, lamps, gloss and surroundings of a fit with one thread and with three: the same to the bit.
 static void threads_do_not_change_the_answer(void **state)
 {
@@ -115,6 +144,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_paper_on_its_own_ground),
         cmocka_unit_test(no_lamp_too_few_or_too_many),
+        cmocka_unit_test(a_matte_object_gets_no_highlights),
         cmocka_unit_test(threads_do_not_change_the_answer),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
