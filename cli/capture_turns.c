@@ -84,6 +84,7 @@ static sheen_status turn(turning *t, sheen_cli_capture *a, sheen_session *s, she
 {
     sheen_turn_steps steps = {0};
     const bool by_hand = !strncmp(a->turntable, "manual:", 7);
+    t->eye.any_axis = by_hand;
     const sheen_turn_options o = {.n_steps = a->n_steps,
                                   .n_rounds = a->n_rounds,
                                   .see = t->eye.detector ? see : NULL,

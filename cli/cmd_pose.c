@@ -5,7 +5,6 @@
 #include "cli/cli.h"
 #include "cli/commands.h"
 #include "cli/stages.h"
-#include "pose/moved.h"
 #include "pose/pose_report.h"
 #include "pose/pose_session.h"
 #include "pose/turntable_session.h"
@@ -136,45 +135,6 @@ static void say_turntable(sheen_cli *cli, const sheen_session *s, const sheen_po
     sheen_session_turntable_release(&t);
 }
 
-// Holds what the session says of what moved against what poses and background say.
-static sheen_status check_moved(sheen_cli *cli, const sheen_session *s, const sheen_poses *poses,
-                                sheen_err *err)
-{
-    enum { MOST_FRAMES = 12 };
-    static const char *const names[] = {"unknown", "camera", "object", "both"};
-    char path[SHEEN_PATH_MAX];
-    sheen_camera camera;
-    sheen_board board;
-    sheen_moved_verdict v;
-    sheen_status st = sheen_session_path(path, s, SHEEN_SESSION_CAMERA, err);
-    if (!st)
-        st = sheen_camera_load(&camera, path, err);
-    if (!st)
-        st = sheen_session_path(path, s, SHEEN_SESSION_BOARD, err);
-    if (!st)
-        st = sheen_board_load(&board, path, err);
-    if (st)
-        return st;
-    st = sheen_moved_in_session(&v, s, &camera, &board, poses, MOST_FRAMES, err);
-    sheen_board_release(&board);
-    if (st)
-        return st;
-    sheen_json_put_string(&cli->out, "moved", names[v.moved]);
-    if (v.moved == SHEEN_MOVED_BOTH) {
-        sheen_cli_warn(cli, "camera and object both moved: %s; lights stand still in neither, take it again",
-                       v.reason);
-        cli->limit_missed = true;
-    } else if (v.moved != SHEEN_MOVED_UNKNOWN &&
-               (v.moved == SHEEN_MOVED_OBJECT) != (s->moving == SHEEN_MOVING_OBJECT)) {
-        sheen_cli_warn(
-            cli,
-            "the session says that the %s moved, but it was the %s: %s (sheen import SESSION --moving %s)",
-            sheen_moving_name(s->moving), names[v.moved], v.reason, names[v.moved]);
-        cli->limit_missed = true;
-    }
-    return SHEEN_OK;
-}
-
 static sheen_status run(sheen_cli *cli, sheen_err *err)
 {
     double max_rms_px = (double)INFINITY;
@@ -191,6 +151,7 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
     sheen_session s;
     sheen_poses poses = {0};
     sheen_pose_summary summary;
+    bool moved_both;
     sheen_status st = sheen_cli_parse(cli, options, 1, 1, err);
     if (st || cli->wants_help)
         return st;
@@ -212,7 +173,7 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
         check_limit(cli, &poses, max_rms_px);
         sheen_cli_check_camera(cli, &s, summary.rms_median_px);
         if (!summary.left_alone)
-            st = check_moved(cli, &s, &poses, err);
+            st = sheen_cli_check_moved(cli, &s, &poses, &moved_both, err);
         if (!st && report)
             st = sheen_pose_report(report, &s, &poses, err);
     }

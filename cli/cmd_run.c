@@ -102,11 +102,33 @@ static const char *why_not_fit(const run_state *r)
     return sheen_fit_is_current(&r->s) ? "the model is current" : NULL;
 }
 
+// Lights that stand still neither to the camera nor to the object cannot be fitted. Who knows better asks for the fit itself.
+static sheen_status refuse_both_moved(run_state *r, sheen_err *err)
+{
+    sheen_poses poses = {0};
+    bool both = false;
+    if (is_imported(&r->s, SHEEN_SESSION_POSES) || !sheen_session_has(&r->s, SHEEN_SESSION_BOARD))
+        return SHEEN_OK;
+    sheen_status st = sheen_poses_load(&poses, &r->s, err);
+    if (!st)
+        st = sheen_cli_check_moved(r->cli, &r->s, &poses, &both, err);
+    sheen_poses_release(&poses);
+    if (!st && both)
+        st = sheen_fail(
+            err, SHEEN_EDATA,
+            "camera and object both moved in '%s': it is not fitted ('sheen fit %s' does so all the same)",
+            r->s.path, r->s.path);
+    return st;
+}
+
 static sheen_status run_fit(run_state *r, sheen_err *err)
 {
     sheen_fit_summary summary;
     const sheen_paper_options o = {.progress = r->progress, .n_threads = r->args.n_threads};
-    const sheen_status st = sheen_fit_session(&summary, &r->s, SHEEN_FIT_REFINED, &o, err);
+    sheen_status st = refuse_both_moved(r, err);
+    if (st)
+        return st;
+    st = sheen_fit_session(&summary, &r->s, SHEEN_FIT_REFINED, &o, err);
     sheen_cli_clear_bar(r->cli);
     if (!st)
         sheen_cli_say_fit(r->cli, &summary);

@@ -17,6 +17,10 @@ void sheen_cli_say_poses(sheen_cli *cli, const sheen_pose_summary *p, const shee
 // Warns where frames are by another camera or focus than the calibration's, or fit much worse than it did. rms_px: of
 // the poses, median.
 void sheen_cli_check_camera(sheen_cli *cli, const sheen_session *s, double rms_px);
+// Warns where what the session says of what moved is not what its poses and its background say (the quality limit is missed then).
+// *both: camera and object moved.
+sheen_status sheen_cli_check_moved(sheen_cli *cli, const sheen_session *s, const sheen_poses *poses,
+                                   bool *both, sheen_err *err);
 void sheen_cli_say_fit(sheen_cli *cli, const sheen_fit_summary *f);
 sheen_status sheen_cli_say_evaluation(sheen_cli *cli, const sheen_evaluation *e, sheen_err *err);
 

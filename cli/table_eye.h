@@ -16,6 +16,9 @@ typedef struct sheen_cli_eye {
     sheen_tag_detector *detector; // NULL: the session has no camera or no board, nothing is seen
     char reference[64];           // the frame that rt_reference belongs to
     double rt_reference[6];
+    bool any_axis;    // a table that a person turns by hand need not turn about one axis
+    bool has_axis;    // another frame of the reference's round shows about which axis the table turns
+    double rt_far[6]; // that frame's
 } sheen_cli_eye;
 
 // Reads the session's camera and board. Lends the session.
@@ -27,7 +30,12 @@ sheen_status sheen_cli_eye_pose(sheen_board_pose *pose, sheen_cli_eye *e, const 
 // The turn about the board's z that takes one pose to the other, degrees in (-180, 180], positive counter-clockwise seen
 // from above; whatever the axis' tilt.
 double sheen_cli_eye_turn_deg(const double rt_cam_board_from[6], const double rt_cam_board_to[6]);
-// For sheen_turn_options.see; self is the eye.
+// How far a pose is from all that a turn about one axis makes of `from`, the axis being that of the turn from `from` to `other`, by 30
+// degrees or more: what a camera that was moved in between leaves. Shift at the board's origin.
+void sheen_cli_eye_off_axis(double *off_deg, double *shift_m, const double rt_cam_board_from[6],
+                            const double rt_cam_board_other[6], const double rt_cam_board_now[6]);
+// For sheen_turn_options.see; self is the eye. EUNSUP: the frame does not turn about the axis of the others of the reference's round (the
+// camera was moved).
 sheen_status sheen_cli_eye_see(void *self, const sheen_frame *frame, const sheen_frame_info *reference,
                                double *angle_deg, sheen_err *err);
 

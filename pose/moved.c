@@ -179,13 +179,21 @@ sheen_status sheen_moved_find(sheen_moved_verdict *out, const sheen_camera *came
     *out = (sheen_moved_verdict){.still = (double)NAN};
     sheen_status s = find_axis(out, frames, n_frames, err);
     for (size_t i = 1; i < n_frames && !s; i++)
-        if (frames[i].light && frames[i - 1].light)
+        if (frames[i].light && frames[i - 1].light && frames[i].round == frames[i - 1].round)
             s = compare_pair(&v, camera, half_board_m, height_m, &frames[i - 1], &frames[i], err);
     if (s)
         return s;
     share(out, &v);
     decide(out);
     return SHEEN_OK;
+}
+
+// Frames that a turntable's recording took are called "r<round>-<step>" (capture/turn_steps.h); 0: another frame.
+static int round_of(const sheen_frame_info *f)
+{
+    char *end;
+    const long round = f->name[0] == 'r' && isfinite(f->table_asked_deg) ? strtol(f->name + 1, &end, 10) : 0;
+    return round > 0 && round < 1000 && *end == '-' ? (int)round : 0;
 }
 
 sheen_status sheen_moved_in_session(sheen_moved_verdict *out, const sheen_session *s,
@@ -213,7 +221,8 @@ sheen_status sheen_moved_in_session(sheen_moved_verdict *out, const sheen_sessio
         sheen_image_release(&lights[n % 2]);
         st = sheen_session_grey(&lights[n % 2], s, &s->frames[i], err);
         f->light = &lights[n % 2];
-        if (!st && n)
+        f->round = round_of(&s->frames[i]);
+        if (!st && n && f->round == frames[n - 1].round)
             st = compare_pair(&v, camera, half_m, height_m, &frames[n - 1], f, err);
         n++;
     }

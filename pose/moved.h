@@ -30,6 +30,7 @@ typedef struct sheen_moved_frame {
     double rt_cam_board[6];
     double covariance[36]; // as sheen_turntable_pose
     double asked_rad;      // commanded angle of a table; NaN: none
+    int round; // of a table; the camera may be put elsewhere between two, so these are not compared
     const sheen_image
         *light; // of the camera's size, one channel, 0..1 in equal steps for the eye; NULL: not looked at
 } sheen_moved_frame;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // test_table_setup.c - the set-up finds what a simulated controller and its table keep to themselves.
+#include "cli/table_eye.h"
 #include "cli/table_setup.h"
 
 #include <math.h>
@@ -80,11 +81,42 @@ static void a_motor_that_turns_nothing_is_said(void **state)
     assert_fails(measure(&r, 1e-6, 1, 0, &err), err, SHEEN_EDATA, "does not turn as the controller moves");
 }
 
+// Poses on a tilted axis beside the board's middle, with noise; then the same with the camera touched.
+static void a_camera_that_was_moved_is_noticed(void **state)
+{
+    (void)state;
+    station s = {.seed = 5};
+    const double rt_cam_table[6] = {2.1, 0.1, 0.05, 0.01, -0.02, 0.6};
+    const double rt_table_board[6] = {0.03, 0, 0.4, 0.012, -0.007, 0.003};
+    double rt[3][6], off_deg, shift_m;
+    for (int i = 0; i < 40; i++) {
+        const double deg[3] = {0, 30 + 4 * (i % 20), 15.0 * i};
+        for (int k = 0; k < 3; k++) {
+            const double turn[6] = {0, 0, deg[k] * 3.14159265358979323846 / 180, 0, 0, 0};
+            sheen_rt_compose(rt[k], rt_cam_table, turn);
+            sheen_rt_compose(rt[k], rt[k], rt_table_board);
+            for (int c = 0; c < 6; c++)
+                rt[k][c] += (c < 3 ? 2e-4 : 3e-5) * test_random_normal(&s.seed);
+        }
+        sheen_cli_eye_off_axis(&off_deg, &shift_m, rt[0], rt[1], rt[2]);
+        assert_true(off_deg < 0.2);
+        assert_true(shift_m < 1e-3);
+        const double touched[6] = {0.6 * 3.14159265358979323846 / 180, 0, 0, 0, 0, 0},
+                     pushed[6] = {0, 0, 0, 0.008, 0, 0};
+        double moved[6];
+        sheen_rt_compose(moved, touched, rt[2]);
+        sheen_cli_eye_off_axis(&off_deg, &shift_m, rt[0], rt[1], moved);
+        assert_true(off_deg > 0.5 || shift_m > 0.006);
+        sheen_rt_compose(moved, pushed, rt[2]);
+        sheen_cli_eye_off_axis(&off_deg, &shift_m, rt[0], rt[1], moved);
+        assert_true(shift_m > 0.006);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(measures_what_was_typed_wrong),
-        cmocka_unit_test(a_motor_that_turns_nothing_is_said),
-    };
+    const struct CMUnitTest tests[] = {cmocka_unit_test(measures_what_was_typed_wrong),
+                                       cmocka_unit_test(a_motor_that_turns_nothing_is_said),
+                                       cmocka_unit_test(a_camera_that_was_moved_is_noticed)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -108,12 +108,30 @@ static void both_are_noticed(void **state)
     assert_int_equal(judge(&s).moved, SHEEN_MOVED_BOTH);
 }
 
+// The camera put elsewhere between two rounds of a table is no camera that moved.
+static void rounds_are_not_compared(void **state)
+{
+    (void)state;
+    for (int told = 0; told < 2; told++) {
+        scene s;
+        make(&s, true, 0, 0.3);
+        for (int i = 0; i < N; i++) {
+            s.frames[i].asked_rad = 0.5 * i;
+            s.frames[i].round = told ? 1 + i / 2 : 1;
+            for (int k = 0; k < WIDTH * HEIGHT - 8000 && i >= 2; k++)
+                s.lights[i].data[k] = s.lights[i].data[k + (i / 2) * 3333];
+        }
+        assert_int_equal(judge(&s).moved, told ? SHEEN_MOVED_OBJECT : SHEEN_MOVED_BOTH);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tells_a_table_from_a_hand),
         cmocka_unit_test(a_bare_wall_leaves_the_axis),
         cmocka_unit_test(both_are_noticed),
+        cmocka_unit_test(rounds_are_not_compared),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
