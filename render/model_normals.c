@@ -59,18 +59,26 @@ sheen_status sheen_model_save_normals(const sheen_model *m, const char *dir, she
     return s;
 }
 
-sheen_status sheen_model_load_normals(sheen_model *m, const char *dir, const sheen_json *root, sheen_err *err)
+sheen_status sheen_model_parse_normals(int *texels_per_edge, const sheen_json *root, sheen_err *err)
 {
     const sheen_json *in = sheen_json_get(root, "normals");
-    int texels_per_edge;
+    *texels_per_edge = 0;
     if (!in)
         return SHEEN_OK;
     if (!sheen_json_is_object(in))
         return sheen_fail(err, SHEEN_EFORMAT, "'normals' is no object");
-    sheen_status s = sheen_json_int(in, "texels_per_edge", SHEEN_TEXTURE_MIN_EDGE, SHEEN_TEXTURE_MAX_EDGE,
-                                    &texels_per_edge, err);
-    if (!s)
-        s = sheen_model_load_atlas(&m->normals, dir, in, m->mesh.n_triangles, texels_per_edge, err);
+    return sheen_json_int(in, "texels_per_edge", SHEEN_TEXTURE_MIN_EDGE, SHEEN_TEXTURE_MAX_EDGE,
+                          texels_per_edge, err);
+}
+
+sheen_status sheen_model_load_normals(sheen_model *m, const char *dir, const sheen_json *root, sheen_err *err)
+{
+    int texels_per_edge;
+    sheen_status s = sheen_model_parse_normals(&texels_per_edge, root, err);
+    if (s || !texels_per_edge)
+        return s;
+    s = sheen_model_load_atlas(&m->normals, dir, sheen_json_get(root, "normals"), m->mesh.n_triangles,
+                               texels_per_edge, err);
     if (s)
         return s;
     const size_t n = m->normals.n_triangles * sheen_texels_per_triangle(texels_per_edge);

@@ -133,13 +133,13 @@ sheen_status sheen_model_get_numbers(sheen_model *m, const sheen_json *root, she
 static sheen_status parse_root(sheen_model *m, const sheen_json *root, size_t *n_triangles,
                                int *texels_per_edge, sheen_err *err)
 {
-    int version;
+    int version, of_normals;
     sheen_status s = sheen_json_schema(root, SHEEN_MODEL_SCHEMA, SHEEN_MODEL_VERSION, &version, err);
     if (!s)
         s = sheen_model_get_numbers(m, root, err);
     if (!s)
         s = parse_texture(root, n_triangles, texels_per_edge, err);
-    return s;
+    return s ? s : sheen_model_parse_normals(&of_normals, root, err);
 }
 
 sheen_status sheen_model_parse(sheen_model *m, const void *data, size_t size_bytes, size_t *n_triangles,

@@ -31,8 +31,10 @@ sheen_status sheen_model_check_lamps(const sheen_model *m, sheen_status code, sh
 void sheen_model_write_lamps(sheen_json_writer *w, const sheen_model *m);
 sheen_status sheen_model_parse_lamps(sheen_model *m, const sheen_json *root, sheen_err *err);
 
-// The normal map (model_normals.c): named in model.json where there is one, its picture saved, and read once the mesh is there.
+// The normal map (model_normals.c): named in model.json where there is one (parsed: 0 texels an edge where there is none), its picture saved,
+// and read once the mesh is there.
 void sheen_model_put_normals(sheen_json_writer *w, const sheen_model *m);
+sheen_status sheen_model_parse_normals(int *texels_per_edge, const sheen_json *root, sheen_err *err);
 sheen_status sheen_model_save_normals(const sheen_model *m, const char *dir, sheen_err *err);
 sheen_status sheen_model_load_normals(sheen_model *m, const char *dir, const sheen_json *root,
                                       sheen_err *err);
