@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // bench_ablation.c - each extension of the fit switched off in turn, on a session whose truth is known layer by layer.
 //
-//     bench_ablation SESSION SCENE.json TRUTH_DIR
+//     bench_ablation SESSION SCENE.json TRUTH_DIR [BEGIN]
 //
-// SESSION: with camera, poses, mesh and input frames. SCENE.json: the exact camera and poses. TRUTH_DIR: linear radiance of the test
+// BEGIN: only variants whose names begin so ("refined"). SESSION: with camera, poses, mesh and input frames. SCENE.json: the exact camera and poses. TRUTH_DIR: linear radiance of the test
 // views, <view>.exr, and its parts on the object, <view>_diffuse.exr and <view>_glossy.exr. Columns: PSNR over the object (sRGB)
 // and over highlights (linear, where the glossy part exceeds 0.15 of white) of the model; of the exact diffuse part under the model's
 // specular one; of the model's diffuse part under the exact specular one; processor seconds of the fit.
@@ -163,8 +163,8 @@ static void read_camera(truth *t, const sheen_json *root)
 
 int main(int argc, char **argv)
 {
-    if (argc != 4) {
-        printf("usage: bench_ablation SESSION SCENE.json TRUTH_DIR (nothing to do without them)\n");
+    if (argc < 4) {
+        printf("usage: bench_ablation SESSION SCENE.json TRUTH_DIR [BEGIN] (nothing to do without them)\n");
         return argc == 1 ? 0 : 2;
     }
     truth t = {.dir = argv[3]};
@@ -180,13 +180,16 @@ int main(int argc, char **argv)
     assert_ok(sheen_mesh_load(&mesh, path, &err), err);
     printf("| object sRGB / highlights linear, dB | model | exact diffuse | exact specular | CPU s "
            "|\n|---|---|---|---|---|\n");
+    const char *begin = argc > 4 ? argv[4] : "";
     for (size_t i = 0; i < sizeof variants / sizeof *variants; i++)
-        run(&t, &session, &mesh, &variants[i]);
+        if (!strncmp(variants[i].name, begin, strlen(begin)))
+            run(&t, &session, &mesh, &variants[i]);
     for (int i = 0; i < SHEEN_EXTENSION_COUNT; i++) {
         char name[60];
         snprintf(name, sizeof name, "refined, without %s", sheen_extension_name((sheen_extension)i));
         const variant v = {name, SHEEN_FIT_REFINED, {.without = 1u << i}};
-        run(&t, &session, &mesh, &v);
+        if (!strncmp(name, begin, strlen(begin)))
+            run(&t, &session, &mesh, &v);
     }
     sheen_mesh_release(&mesh);
     sheen_json_free(&root);

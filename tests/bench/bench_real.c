@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // bench_real.c - real photographs by others, each left out of a fit in turn and predicted: sheen beside the baselines.
 //
-//     bench_real FOLDER [--method NAME] [--folds K] [--size SHARE] [--from NAME] [--to NAME] [--pictures DIR]
+//     bench_real FOLDER [--method NAME] [--folds K] [--size SHARE] [--from NAME] [--to NAME] [--pictures DIR] [--exposures given|agreed]
 //
 // FOLDER holds cameras.json (per photograph: name, width, height, K, R_world_to_cam, t_world_to_cam; OpenCV axes, pixel corners at
 // 0), images/, one .ply mesh in the cameras' frame, and may hold masks in a folder masks_*/ of any size. Every photograph is resampled to
 // one pinhole camera. World's z is up: the mean normal of the surface that faces about where the cameras' tops point; its plane
 // z = 0, which may be mirrored, lies under the mesh. --folds K leaves every K-th out (default: each). --from, --to: photographs by name.
+// --exposures agreed: all photographs, those left out too, are first divided by the gains with which they agree on the surface (fit/align.h): the
+// exposure of an automatic camera is nothing that a model of the object could predict. All methods get the same photographs.
 #include <dirent.h>
 #include <math.h>
 #include <stdio.h>
@@ -25,7 +27,7 @@
 typedef struct arguments {
     const char *dir, *from, *to, *pictures;
     sheen_fit_method method;
-    int n_folds;
+    int n_folds, agreed;
     double size;
 } arguments;
 
@@ -222,6 +224,26 @@ static void load(capture *c, const arguments *a)
     place_world(c);
 }
 
+static void agree_on_exposures(capture *c)
+{
+    sheen_scene *scene;
+    sheen_align_result r;
+    sheen_err err;
+    const sheen_align_options o = {.gains = 1, .texels_per_edge = 3};
+    sheen_image *taken = calloc(c->photos.count + 1, sizeof *taken);
+    assert_non_null(taken);
+    assert_ok(sheen_scene_new(&scene, &c->mesh, &err), err);
+    assert_ok(sheen_align_photos(&r, &c->photos, &c->mesh, scene, &o, &err), err);
+    assert_ok(sheen_align_divide(taken, &c->photos, &r, &err), err);
+    for (size_t i = 0; i < c->photos.count; i++) {
+        printf("%-24s exposed by %+.2f EV (green)\n", c->photos.photos[i].name, log2(r.views[i].gain[1]));
+        sheen_image_release(&taken[i]);
+    }
+    free(taken);
+    sheen_align_result_release(&r);
+    sheen_scene_free(&scene);
+}
+
 static void run_fold(sheen_evaluation *all, const capture *c, const arguments *a, int fold)
 {
     const sheen_paper_options o = {0};
@@ -288,6 +310,8 @@ int main(int argc, char **argv)
             a.from = value;
         else if (!strcmp(argv[i - 1], "--to"))
             a.to = value;
+        else if (!strcmp(argv[i - 1], "--exposures"))
+            a.agreed = !strcmp(value, "agreed");
         else if (!strcmp(argv[i - 1], "--pictures"))
             a.pictures = value;
     }
@@ -296,6 +320,8 @@ int main(int argc, char **argv)
         return argc == 1 ? 0 : 2;
     }
     load(&c, &a);
+    if (a.agreed)
+        agree_on_exposures(&c);
     if (a.n_folds < 2 || (size_t)a.n_folds > c.photos.count)
         a.n_folds = (int)c.photos.count;
     printf("%zu photographs of %d x %d, %zu triangles, %d folds\n", c.photos.count, c.photos.cam.width_px,
