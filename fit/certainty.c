@@ -11,10 +11,11 @@
 #include "base/pose3.h"
 #include "base/vec.h"
 #include "calib/cholesky.h"
+#include "fit/certainty_cells.h"
 #include "fit/certainty_view.h"
 #include "fit/robust.h"
 
-enum { MOST_LAMPS = 48, PIXELS = 60000 };
+enum { MOST_LAMPS = 48, PIXELS = 60000, MOST = 1 + 3 * MOST_LAMPS + SHEEN_GLOSS_MAX };
 
 static const double shown_share = 0.3; // of a lamp's brightest pixel: then a photograph shows its highlight
 
@@ -32,9 +33,35 @@ typedef struct work {
     sheen_Rt Rt_world_obj;
     uint32_t *lamp_of; // [l.count] index of lamp; UINT32_MAX: none
     lamp *lamps;
-    size_t n_lamps, step;
-    double *A, *J, scale; // (1 + 3 n_lamps) squared; one row
+    size_t n_lamps, step, n_parameters;
+    int reference;        // the most shining cluster of k_S, in whose share the lamps' strengths are
+    double *A, *J, scale; // n_parameters squared; one row
+    sheen_score_cells cells;
+    double slope, weight; // sums of the loss' second derivative, and of its weights
+    double turn2,
+        light2; // sums of the squared turn of the normal over a pixel times the squared light, and of that
 } work;
+
+// Parameters: log sigma; log strength and two angles of each lamp; log share of each cluster of k_S but the reference.
+static size_t of_lamp(size_t i_lamp)
+{
+    return 1 + 3 * i_lamp;
+}
+
+static size_t of_cluster(const work *w, int k)
+{
+    return of_lamp(w->n_lamps) + (size_t)(k - (k > w->reference));
+}
+
+static void count_parameters(work *w)
+{
+    const sheen_gloss *g = &w->m->gloss;
+    w->reference = 0;
+    for (int k = 1; k < g->n; k++)
+        if (g->share[k] > g->share[w->reference])
+            w->reference = k;
+    w->n_parameters = of_lamp(w->n_lamps) + (size_t)(g->n ? g->n - 1 : 0);
+}
 
 static float angle_between(const sheen_lights *l, size_t a, const double v[3])
 {
@@ -118,14 +145,35 @@ static double lamp_light(const work *w, size_t i_lamp, const sheen_residual_pixe
     return sum * w->m->k_s * (double)sheen_lobe_inverse_cos(p->n_world, p->v_world);
 }
 
-// Fills the row of the Jacobian: sigma (relative), then strength (relative) and two angles a lamp. Returns the light.
+// Share of k_S at a pixel, and the row's part of the clusters, for a light of 1.
+static double linearize_gloss(work *w, const sheen_residual_pixel *p)
+{
+    const sheen_gloss *g = &w->m->gloss;
+    float root[3], weight[SHEEN_GLOSS_MAX];
+    double share = 0;
+    if (!g->n)
+        return 1;
+    for (int c = 0; c < 3; c++)
+        root[c] = (float)p->texture_root[c] / 255;
+    sheen_gloss_weights(weight, g, root);
+    for (int k = 0; k < g->n; k++) {
+        const double part = (double)(weight[k] * g->share[k]);
+        share += part;
+        if (k != w->reference)
+            w->J[of_cluster(w, k)] = part;
+    }
+    return share;
+}
+
+// Fills the row of the Jacobian. Returns the light.
 static double linearize(work *w, const sheen_residual_pixel *p, double (*peak)[MOST_LAMPS], size_t view)
 {
-    const size_t N = 1 + 3 * w->n_lamps;
+    const size_t N = w->n_parameters;
     const double s = w->m->sigma_rad, h = 0.05 * s;
     float mirror[3];
     double total = 0;
     memset(w->J, 0, N * sizeof *w->J);
+    const double gloss = linearize_gloss(w, p);
     sheen_mirrorf(mirror, p->n_world, p->v_world);
     const double r[3] = {(double)mirror[0], (double)mirror[1], (double)mirror[2]};
     for (size_t i = 0; i < w->n_lamps; i++) {
@@ -138,26 +186,51 @@ static double linearize(work *w, const sheen_residual_pixel *p, double (*peak)[M
         double shift[3];
         total += light;
         peak[view][i] = fmax(peak[view][i], light / (double)sheen_lobe_inverse_cos(p->n_world, p->v_world));
-        w->J[0] += (lamp_light(w, i, p, NULL, 1.02 * s) - lamp_light(w, i, p, NULL, s / 1.02)) /
+        w->J[0] += gloss * (lamp_light(w, i, p, NULL, 1.02 * s) - lamp_light(w, i, p, NULL, s / 1.02)) /
                    (2 * log(1.02));
-        w->J[1 + 3 * i] = light;
+        w->J[of_lamp(i)] = gloss * light;
         for (int a = 0; a < 2; a++) {
             for (int c = 0; c < 3; c++)
                 shift[c] = h * g->across[a][c];
-            w->J[2 + 3 * i + (size_t)a] = (lamp_light(w, i, p, shift, s) - light) / h;
+            w->J[of_lamp(i) + 1 + (size_t)a] = gloss * (lamp_light(w, i, p, shift, s) - light) / h;
         }
     }
-    return total;
+    for (size_t a = of_lamp(w->n_lamps); a < N; a++)
+        w->J[a] *= total;
+    return gloss * total;
 }
 
-static void add_row(work *w, double residual)
+// A pixel counts once, however many it stands for: the fit, too, took samples of about this number.
+static void add_row(work *w, const sheen_residual_pixel *p, double residual)
 {
-    const size_t N = 1 + 3 * w->n_lamps;
-    const double weight = (double)w->step * sheen_loss_weight(SHEEN_LOSS_LORENTZIAN, residual, w->scale) /
-                          (w->scale * w->scale);
+    const size_t N = w->n_parameters;
+    const double of_loss = sheen_loss_weight(SHEEN_LOSS_LORENTZIAN, residual, w->scale),
+                 weight = of_loss / (w->scale * w->scale), z = residual / w->scale;
+    w->weight += of_loss;
+    w->slope += of_loss * of_loss * (1 - 0.5 * z * z);
+    sheen_score_cells_add(&w->cells, p->p_obj, weight * residual, w->J);
     for (size_t a = 0; a < N; a++)
         for (size_t b = 0; b <= a && w->J[a] != 0; b++)
             w->A[a * N + b] += weight * w->J[a] * w->J[b];
+}
+
+// White is a lower bound.
+static double held_residual(const sheen_residual_pixel *p, double light)
+{
+    const double r = (double)sheen_luminance(p->rgb) - light;
+    return p->clipped && r < 0 ? 0 : r;
+}
+
+// How much the normal turns from a pixel to the next one in its row, where it shines.
+static void add_footprint(work *w, const sheen_residual *r, size_t i, double light)
+{
+    const sheen_residual_pixel *p = &r->pixels[i], *next = p + 1;
+    float turn[3];
+    if (i + 1 == r->count || next->y_px != p->y_px || next->x_px != p->x_px + 1)
+        return;
+    sheen_subf(turn, next->n_world, p->n_world);
+    w->turn2 += light * light * (double)sheen_dotf(turn, turn);
+    w->light2 += light * light;
 }
 
 static void add_pixels(work *w, double (*peak)[MOST_LAMPS])
@@ -171,7 +244,8 @@ static void add_pixels(work *w, double (*peak)[MOST_LAMPS])
             const sheen_residual_pixel *p = &w->f->residuals[v].pixels[i];
             const double light = linearize(w, p, peak, v);
             if (light > 0)
-                add_row(w, (double)sheen_luminance(p->rgb) - light);
+                add_row(w, p, held_residual(p, light));
+            add_footprint(w, &w->f->residuals[v], i, light);
         }
 }
 
@@ -186,38 +260,67 @@ static void say(sheen_certainty *c, const char *fmt, ...)
     va_end(args);
 }
 
+// A pixel is a mean over its surface, on which the normal turns: highlights are wider by that and their peaks lower, which the fit takes for
+// roughness. The share by which sigma comes out too large; strengths come out too small by twice as much.
+static double footprint_share(const work *w)
+{
+    const double sigma2 = w->m->sigma_rad * w->m->sigma_rad;
+    return w->light2 > 0 ? w->turn2 / w->light2 / 12 / (2 * sigma2) : 0;
+}
+
+// Variances: the larger one of what independent residuals would leave and of what the surface's cells show (few cells show little).
+static void find_variances(double *variance, double *of_k_s, const work *w, const double *inverse)
+{
+    const size_t N = w->n_parameters;
+    double total = 0, along, v[MOST] = {0};
+    for (size_t i = 0; i < w->n_lamps; i++)
+        total += w->lamps[i].strength;
+    for (size_t i = 0; i < w->n_lamps; i++)
+        v[of_lamp(i)] = w->lamps[i].strength / total;
+    sheen_score_cells_variance(variance, &along, &w->cells, inverse, v);
+    const double curved = w->weight > 0 ? fmax(0.3, w->slope / w->weight) : 1;
+    *of_k_s = 0;
+    for (size_t a = 0; a < N; a++) {
+        variance[a] = fmax(inverse[a * (N + 1)], variance[a] / (curved * curved));
+        for (size_t b = 0; b < N; b++)
+            *of_k_s += v[a] * v[b] * inverse[a * N + b];
+    }
+    const double wider = footprint_share(w);
+    *of_k_s = fmax(*of_k_s, along / (curved * curved)) + 4 * wider * wider;
+    variance[0] += wider * wider;
+    for (size_t i = 0; i < w->n_lamps; i++)
+        variance[of_lamp(i)] += 4 * wider * wider;
+}
+
 // The figures from the inverse of the normal matrix; what has no information has no figure.
 static void invert(sheen_certainty *c, work *w)
 {
-    const size_t N = 1 + 3 * w->n_lamps;
-    double *inverse = malloc(N * N * sizeof *inverse);
-    for (size_t a = 0; a < N; a++)
+    const size_t N = w->n_parameters;
+    const sheen_gloss *g = &w->m->gloss;
+    double *inverse = malloc(N * N * sizeof *inverse), variance[MOST], of_k_s = (double)NAN;
+    for (size_t a = 0; a < N; a++) {
         w->A[a * (N + 1)] += 1e-6; // nothing at all is known of a lamp that no pixel shows
-    const int known = inverse && sheen_cholesky(w->A, (int)N);
-    c->sigma_share = c->k_s_share = (double)NAN;
-    if (known) {
-        double total = 0, variance = 0;
-        sheen_cholesky_invert(inverse, w->A, (int)N);
-        c->sigma_share = sqrt(inverse[0]);
-        for (size_t i = 0; i < w->n_lamps; i++) {
-            total += w->lamps[i].strength;
-            for (size_t k = 0; k < w->n_lamps; k++)
-                variance += inverse[(1 + 3 * i) * N + 1 + 3 * k] * w->lamps[i].strength *
-                            w->lamps[k].strength;
-        }
-        c->k_s_share = sqrt(fmax(0, variance)) / total;
+        variance[a] = (double)NAN;
     }
+    if (inverse && sheen_cholesky(w->A, (int)N)) {
+        sheen_cholesky_invert(inverse, w->A, (int)N);
+        find_variances(variance, &of_k_s, w, inverse);
+    }
+    free(inverse);
+    c->sigma_share = sqrt(variance[0]);
+    c->k_s_share = sqrt(of_k_s);
     for (size_t i = 0; i < w->n_lamps; i++) {
         sheen_lamp_certainty *o = &c->lamps[i];
-        const size_t a = 1 + 3 * i;
+        const double *own = variance + of_lamp(i);
         memcpy(o->v_world, w->lamps[i].v_world, sizeof o->v_world);
         o->strength = w->lamps[i].strength;
         o->n_lights = w->lamps[i].n_lights;
-        o->strength_share = known ? sqrt(inverse[a * (N + 1)]) : (double)NAN;
-        o->direction_rad = known ? sqrt((inverse[(a + 1) * (N + 1)] + inverse[(a + 2) * (N + 1)]) / 2)
-                                 : (double)NAN;
+        o->strength_share = sqrt(own[0]);
+        o->direction_rad = sqrt((own[1] + own[2]) / 2);
     }
-    free(inverse);
+    c->n_gloss = g->n;
+    for (int k = 0; k < g->n; k++)
+        c->gloss_share[k] = k == w->reference ? 0 : sqrt(variance[of_cluster(w, k)]);
 }
 
 static void count_views(sheen_certainty *c, double (*peak)[MOST_LAMPS], size_t n_views)
@@ -269,7 +372,10 @@ static void put_in_words(sheen_certainty *c)
         say(c, "the roughness is known to %.0f %% only: few pixels lie on the flanks of highlights",
             fmin(999, 100 * c->sigma_share));
     if (c->unseen_share > 0.02)
-        say(c, "%.0f %% of the surface was seen by no photograph and has no colour", 100 * c->unseen_share);
+        say(c,
+            "%.0f %% of the surface was seen by no photograph: its colour, where it has one, is that of its "
+            "surroundings",
+            100 * c->unseen_share);
     if (c->once_share > 0.05)
         say(c,
             "%.0f %% of the surface was seen by one photograph only: a highlight there stays in the texture",
@@ -329,7 +435,6 @@ sheen_status sheen_certainty_find(sheen_certainty *out, const sheen_paper_fit *f
 {
     *out = (sheen_certainty){0};
     work w = {.f = f, .m = &f->model, .scale = fmax(0.0015, f->refined.sigma_err)};
-    enum { MOST = 1 + 3 * MOST_LAMPS };
     if (f->model.n_lamps) { // near ones are seen elsewhere from each point
         float centre_obj[3], radius_m;
         sheen_mesh_sphere(mesh, centre_obj, &radius_m);
@@ -351,6 +456,9 @@ sheen_status sheen_certainty_find(sheen_certainty *out, const sheen_paper_fit *f
     }
     group(&w);
     measure_radii(&w);
+    count_parameters(&w);
+    if ((s = sheen_score_cells_init(&w.cells, f->residuals, f->n_views, w.n_parameters, err)))
+        goto done;
     add_pixels(&w, peak);
     invert(out, &w);
     out->n_lamps = w.n_lamps;
@@ -368,6 +476,7 @@ done:
     free(w.lamps);
     free(w.A);
     free(w.J);
+    sheen_score_cells_release(&w.cells);
     if (s)
         sheen_certainty_release(out);
     return s;

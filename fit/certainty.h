@@ -2,8 +2,9 @@
 // certainty.h - how well a fit's numbers are determined, in figures and in sentences, and which photograph would help most.
 //
 // The model's lights are taken in groups (nodes side by side are one lamp). About the optimum the predicted highlights are
-// linear in sigma and in each group's strength and place; their Jacobian over the residual pixels and the residuals' own robust
-// scale give a covariance. It holds the texture fixed, and it believes the model: systematic errors are not in it.
+// linear in sigma, in each group's strength and place, and in the clusters' k_S; their Jacobian over the residual pixels and how much the
+// equations scatter over the surface (certainty_cells.h) give a covariance. It holds the texture fixed, and it believes the model: systematic
+// errors are in it only as far as they differ from place to place.
 #ifndef SHEEN_FIT_CERTAINTY_H
 #define SHEEN_FIT_CERTAINTY_H
 
@@ -22,7 +23,10 @@ typedef struct sheen_lamp_certainty {
 
 typedef struct sheen_certainty {
     double sigma_share, k_s_share; // standard deviations, shares of the values; NaN: not determined
-    sheen_lamp_certainty *lamps;   // [n_lamps] the brightest first
+    double gloss_share
+        [SHEEN_GLOSS_MAX]; // [n_gloss] of the clusters' k_S against the most shining one's, shares of the values
+    int n_gloss;
+    sheen_lamp_certainty *lamps; // [n_lamps] the brightest first
     size_t n_lamps;
     double unseen_share, once_share; // of the texels: seen by no photograph, by one only
     int advised;                     // a further photograph would help; from where, in world:

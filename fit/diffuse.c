@@ -330,11 +330,29 @@ double sheen_diffuse_cost(const sheen_surroundings *surroundings, const sheen_te
 
 typedef struct job {
     sheen_texture *texture;
+    float *deviation;
     const sheen_surroundings *surroundings;
     const sheen_texel_view *views;
     const sheen_view_light *lights;
     size_t n_views;
 } job;
+
+// Standard deviation of the mean's luminance: by the samples' scatter about it, and not less than by their noise.
+static float deviation_of(const sample *s, const double *w, const double mean[3], size_t n,
+                          const sheen_surroundings *e)
+{
+    double total = 0, scatter2 = 0, d[3];
+    for (size_t i = 0; i < n; i++) {
+        diffuse_of(d, &s[i], e);
+        const double r = luminance(d) - luminance(mean);
+        total += w[i];
+        scatter2 += w[i] * w[i] * r * r;
+    }
+    if (n < 2)
+        return NAN;
+    const double by_scatter2 = scatter2 / (total * total) * (double)n / (double)(n - 1);
+    return (float)sqrt(fmax(by_scatter2, noise_lin * noise_lin / total));
+}
 
 static void fit_texels(void *self, size_t begin, size_t end)
 {
@@ -343,18 +361,22 @@ static void fit_texels(void *self, size_t begin, size_t end)
         sample s[MAX_VIEWS];
         double w[MAX_VIEWS], mean[3];
         const size_t n = gather(s, j->views, j->lights, j->n_views, t);
+        if (j->deviation)
+            j->deviation[t] = NAN;
         if (!n)
             continue;
         reweight(w, mean, s, n, j->surroundings, 5);
+        if (j->deviation)
+            j->deviation[t] = deviation_of(s, w, mean, n, j->surroundings);
         for (size_t c = 0; c < 3; c++)
             j->texture->rgb[3 * t + c] = mean[c] > 0 ? (float)mean[c] : 0;
     }
 }
 
-void sheen_diffuse_fit(sheen_texture *texture, const sheen_surroundings *surroundings,
+void sheen_diffuse_fit(sheen_texture *texture, float *deviation, const sheen_surroundings *surroundings,
                        const sheen_texel_view *views, const sheen_view_light *lights, size_t n_views,
                        int n_threads)
 {
-    job j = {texture, surroundings, views, lights, n_views};
+    job j = {texture, deviation, surroundings, views, lights, n_views};
     sheen_parallel_for(n_views ? views[0].n_texels : 0, 4096, n_threads, fit_texels, &j);
 }

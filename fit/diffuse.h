@@ -28,7 +28,8 @@ double sheen_diffuse_cost(const sheen_surroundings *surroundings, const sheen_te
 
 // D of every texel: the robust mean of I_v - S_v - F_v M_v, in which a view counts less where it is seen at a slant and where
 // much was taken off it. Texels that no view sees stay unseen. texture: of the same lattice; n_views in it is kept.
-void sheen_diffuse_fit(sheen_texture *texture, const sheen_surroundings *surroundings,
+// deviation: [n_texels] standard deviation of each one's luminance, NaN where fewer than two photographs see it; NULL: not asked for.
+void sheen_diffuse_fit(sheen_texture *texture, float *deviation, const sheen_surroundings *surroundings,
                        const sheen_texel_view *views, const sheen_view_light *lights, size_t n_views,
                        int n_threads);
 

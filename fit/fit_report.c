@@ -71,9 +71,13 @@ static void put_certainty(sheen_report *r, const sheen_certainty *c)
                          asin(fmax(-1, fmin(1, l->v_world[2]))) * 57.29577951308232, l->strength,
                          100 * l->strength_share, l->direction_rad * 57.29577951308232, l->n_views);
     }
-    sheen_report_text(
-        r, "Standard deviations from the Jacobian at the optimum and the residuals' scatter, with the "
-           "texture held fixed; what the model itself cannot say is not in them.");
+    sheen_report_text(r, "Standard deviations from the Jacobian at the optimum and from how the residuals "
+                         "scatter over the surface, "
+                         "with the texture held fixed; what the model itself cannot say is not in them.");
+    for (int k = 0; k < c->n_gloss; k++)
+        if (c->gloss_share[k] > 0)
+            sheen_report_text(r, "k_S of paint %d, against the most shining one: known to %.2g %%.", k + 1,
+                              100 * c->gloss_share[k]);
 }
 
 static void put_turns(sheen_report *r, const sheen_fit_summary *f)
@@ -139,6 +143,15 @@ static sheen_status put_residuals(sheen_report *r, const sheen_session *s, sheen
     return SHEEN_OK;
 }
 
+static sheen_status put_deviation(sheen_report *r, const sheen_session *s, sheen_err *err)
+{
+    return put_picture(
+        r, s, "deviation",
+        "how sure each place's colour is: standard deviation, 0.05 of white is white; what one "
+        "photograph only saw is white too",
+        480, err);
+}
+
 static sheen_status put_hemispheres(sheen_report *r, const sheen_session *s, sheen_err *err)
 {
     sheen_status st;
@@ -157,6 +170,10 @@ sheen_status sheen_fit_report_write(const char *path, const sheen_fit_report *re
     begin(&r, report->summary);
     put_figures(&r, report->summary);
     put_certainty(&r, &report->summary->certainty);
+    if ((s = put_deviation(&r, report->session, err))) {
+        sheen_report_release(&r);
+        return s;
+    }
     put_scores(&r, report->evaluation);
     if ((s = put_hemispheres(&r, report->session, err)) || (s = put_residuals(&r, report->session, err))) {
         sheen_report_release(&r);

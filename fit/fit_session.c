@@ -136,6 +136,8 @@ static void write_certainty(sheen_json_writer *w, const sheen_certainty *c)
     sheen_json_open(w, "certainty", '{');
     sheen_json_put_number(w, "sigma_share", c->sigma_share);
     sheen_json_put_number(w, "k_s_share", c->k_s_share);
+    if (c->n_gloss)
+        sheen_json_put_numbers(w, "gloss_share", c->gloss_share, (size_t)c->n_gloss);
     sheen_json_put_number(w, "unseen_share", c->unseen_share);
     sheen_json_put_number(w, "once_share", c->once_share);
     sheen_json_open(w, "lamps", '[');

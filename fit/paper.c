@@ -239,6 +239,7 @@ void sheen_paper_fit_release(sheen_paper_fit *f)
     free(f->partials);
     free(f->views);
     free(f->nodes);
+    free(f->texel_deviation);
     sheen_geodesic_release(&f->geodesic);
     sheen_hemisphere_release(&f->combined);
     sheen_refine_result_release(&f->refined);

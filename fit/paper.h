@@ -50,6 +50,8 @@ typedef struct sheen_paper_fit {
     size_t n_views, n_samples;
     double threshold_lin, sigma0_rad;
     sheen_texel_view *views; // [n_views] texels of all photographs, where options->keep_texels asked for them
+    float *
+        texel_deviation; // [n_texels] standard deviation of each texel's luminance, NaN: unknown; NULL: the refined method's only
     sheen_align_result align; // the refined method's; views NULL: nothing was aligned
 } sheen_paper_fit;
 

@@ -146,7 +146,7 @@ static sheen_status write_hemispheres(const sheen_paper_fit *f, const sheen_phot
     return s;
 }
 
-static sheen_status write_texture(const sheen_texture *t, const char *dir, sheen_err *err)
+static sheen_status write_texture(const sheen_texture *t, const char *kind, const char *dir, sheen_err *err)
 {
     sheen_image atlas = {0}, img = {0};
     sheen_status s = sheen_texture_to_atlas(&atlas, t, err);
@@ -156,7 +156,7 @@ static sheen_status write_texture(const sheen_texture *t, const char *dir, sheen
     const float magenta[3] = {1, 0, 1};
     for (size_t i = 0; i < n; i++)
         memcpy(img.data + 3 * i, atlas.data[4 * i + 3] > 0 ? atlas.data + 4 * i : magenta, sizeof magenta);
-    s = write_picture(&img, dir, "texture", "", err);
+    s = write_picture(&img, dir, kind, "", err);
 
 done:
     sheen_image_release(&atlas);
@@ -164,10 +164,44 @@ done:
     return s;
 }
 
+// How sure each texel is, on the atlas, and as the first photograph sees it.
+static sheen_status write_deviation(const sheen_paper_fit *f, const char *dir, sheen_err *err)
+{
+    const sheen_texture *t = &f->model.texture;
+    const sheen_gbuffer *g = &f->gbuffers[0];
+    const size_t n = t->n_triangles * sheen_texels_per_triangle(t->texels_per_edge);
+    sheen_texture grey = *t;
+    sheen_image img = {0};
+    if (!f->texel_deviation)
+        return SHEEN_OK;
+    if (!(grey.rgb = malloc((3 * n + 1) * sizeof *grey.rgb)))
+        return sheen_fail_memory(err, 12.0 * (double)n, "a picture of the texels' uncertainty");
+    for (size_t i = 0; i < 3 * n; i++) {
+        const float d = f->texel_deviation[i / 3];
+        grey.rgb[i] = isnan(d) ? 1 : fminf(1, SHEEN_DEVIATION_SCALE * d);
+    }
+    sheen_status s = write_texture(&grey, "texture-deviation", dir, err);
+    if (!s && g->width_px)
+        s = sheen_image_init(&img, g->width_px, g->height_px, 3, err);
+    for (int y = 0; y < img.height_px && !s; y++)
+        for (int x = 0; x < img.width_px; x++) {
+            const sheen_hit *h = &g->hits[(size_t)y * (size_t)g->width_px + (size_t)x];
+            if (h->triangle != SHEEN_NO_HIT)
+                sheen_texture_sample(&grey, h, sheen_image_at(&img, x, y));
+        }
+    if (!s && img.data)
+        s = write_picture(&img, dir, "deviation", "", err);
+    sheen_image_release(&img);
+    free(grey.rgb);
+    return s;
+}
+
 sheen_status sheen_fit_pictures(const sheen_paper_fit *f, const sheen_photos *photos, const char *dir,
                                 sheen_err *err)
 {
-    sheen_status s = write_texture(&f->model.texture, dir, err);
+    sheen_status s = write_texture(&f->model.texture, "texture", dir, err);
+    if (!s)
+        s = write_deviation(f, dir, err);
     for (size_t i = 0; i < f->n_views && !s; i++)
         s = write_residual(&f->residuals[i], &f->gbuffers[i], photos->photos[i].name, dir, err);
     return s ? s : write_hemispheres(f, photos, dir, err);

@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "fit/board_picture.h"
 #include "fit/diffuse.h"
@@ -49,7 +50,8 @@ static sheen_status fit_diffuse(sheen_refined_state *r, sheen_err *err)
     sheen_model *m = &r->f->model;
     if (turned(r))
         return sheen_turning_diffuse(r, err);
-    sheen_diffuse_fit(&m->texture, &m->surroundings, r->views, r->lights, r->f->n_views, r->o.n_threads);
+    sheen_diffuse_fit(&m->texture, r->f->texel_deviation, &m->surroundings, r->views, r->lights,
+                      r->f->n_views, r->o.n_threads);
     return SHEEN_OK;
 }
 
@@ -125,6 +127,11 @@ static sheen_status improve(sheen_refined_state *r, sheen_err *err)
     sheen_status s = start_surroundings(r, err);
     if (s)
         return s;
+    if (!turned(r)) {
+        r->f->texel_deviation = malloc((r->views[0].n_texels + 1) * sizeof(float));
+        if (!r->f->texel_deviation)
+            return sheen_fail_memory(err, 4.0 * (double)r->views[0].n_texels, "texels");
+    }
     sheen_stopwatch watch = sheen_stopwatch_now();
     m->shadows = has(r, SHEEN_EXTENSION_SHADOWS);
     m->sigma_rad = turned(r) ? 0.05 : 0.03; // until lamps are found

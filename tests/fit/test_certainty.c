@@ -116,6 +116,42 @@ static void deviations_are_what_least_squares_says(void **state)
     empty(&f);
 }
 
+// Residuals that err together over a piece of the surface say less than as many that err one by one.
+static void errors_in_patches_are_seen(void **state)
+{
+    (void)state;
+    double share[2];
+    for (int patches = 0; patches < 2; patches++) {
+        sheen_paper_fit f;
+        sheen_certainty c;
+        sheen_err err;
+        uint64_t seed = 8;
+        fill(&f, 0.03, 0);
+        f.refined.sigma_err = 0.004;
+        f.n_views = 1;
+        sheen_residual *r = &f.residuals[0];
+        for (size_t i = 0; i < r->count; i++) {
+            const double one = 0.004 * test_random_normal(&seed);
+            const uint64_t x = i % SIDE / 10, y = i / SIDE % SIDE / 10;
+            uint64_t patch = 77 + x + 1000 * y;
+            for (int k = 0; k < 3; k++) {
+                r->pixels[i].rgb[k] += (float)(patches ? 0.004 * test_random_normal(&patch) : one);
+                patch = 77 + x + 1000 * y;
+            }
+            r->pixels[i].p_obj[0] = 0.001f * (float)(i % SIDE);
+            r->pixels[i].p_obj[1] = 0.001f * (float)(i / SIDE % SIDE);
+        }
+        assert_ok(sheen_certainty_find(&c, &f, NULL, NULL, SHEEN_MOVING_OBJECT, &err), err);
+        share[patches] = c.lamps[0].strength_share;
+        sheen_certainty_release(&c);
+        f.n_views = 2;
+        empty(&f);
+    }
+    print_message("strength known to %.2f %% of independent, %.2f %% of patchy residuals\n", 100 * share[0],
+                  100 * share[1]);
+    assert_true(share[1] > 2 * share[0]);
+}
+
 // One camera above a sphere, lights to both sides seen once: the advice is to go round to where both can be seen again.
 static void advises_a_viewpoint(void **state)
 {
@@ -149,6 +185,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(says_what_one_photograph_cannot),
         cmocka_unit_test(deviations_are_what_least_squares_says),
+        cmocka_unit_test(errors_in_patches_are_seen),
         cmocka_unit_test(advises_a_viewpoint),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
