@@ -70,7 +70,12 @@ static void say_result(sheen_cli *cli, const sheen_register_result *r, const req
         sheen_json_put_number(&cli->out, "points_rms_px", r->points.rms_px);
         sheen_json_put_number(&cli->out, "points_worst_px", r->points.worst_px);
     }
+    if (r->masks_made)
+        sheen_cli_say(cli,
+                      "the session has no masks: what hides the board in %zu frames was taken for the object",
+                      r->n_masks);
     if (r->from_masks) {
+        sheen_json_put_bool(&cli->out, "masks_made", r->masks_made);
         sheen_cli_say(cli,
                       "outlines and masks of %zu frames: %.2f px apart (%.2f px rms), overlap %.2f %%; known "
                       "to %.3f mm "

@@ -95,7 +95,7 @@ typedef struct residual {
 typedef struct residuals {
     residual *list;
     size_t n, capacity;
-    double length_px; // of all outlines, found or not
+    double length_px; // of all outlines where the mask is known, border found or not
 } residuals;
 
 static sheen_status add_residual(residuals *all, const sheen_outline_sample *s, double distance_px,
@@ -138,6 +138,9 @@ static sheen_status collect(residuals *all, const sheen_outline_mesh *mesh, cons
         for (size_t i = 0; !s && i < outline->n_samples; i++) {
             const sheen_outline_sample *at = &outline->samples[i];
             double distance_px;
+            if (isnan(sample(view->mask, view->canvas.width_px, view->canvas.height_px, at->q_px[0],
+                             at->q_px[1])))
+                continue;
             all->length_px += at->length_px;
             if (o->edges ? view->light && find_edge(&distance_px, view, at, o->reach_px)
                          : find_border(&distance_px, view, at, o->reach_px))

@@ -48,7 +48,7 @@ typedef struct sheen_outline_misfit {
     double rms_px;    // of the distances that were found, weighted
     double border_px; // area by which cover and mask differ, divided by the length of the outline
     double overlap;   // of cover and mask: intersection over union, over all views
-    double found;     // share of the outline from which a border was found
+    double found;     // share of the outline, where the mask is known, from which a border was found
     double covariance[SHEEN_OUTLINE_UNKNOWNS * SHEEN_OUTLINE_UNKNOWNS]; // zero rows for what was not free
     double moved_m;                                                     // by the last step
 } sheen_outline_misfit;

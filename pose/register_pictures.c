@@ -38,7 +38,7 @@ static double side_px(const sheen_image *mask)
     return area < MIN_AREA_PX ? 0 : 1 + fmax(box[2] - box[0], box[3] - box[1]);
 }
 
-// Mean over the part of the picture under each small pixel; NaN where any of it is not known.
+// Mean over the part of the picture under each small pixel, of what is known; negative where half or more of it is not.
 static void shrink(float *out, int width_px, int height_px, const sheen_image *in, double factor)
 {
     for (int y = 0; y < height_px; y++)
@@ -48,15 +48,15 @@ static void shrink(float *out, int width_px, int height_px, const sheen_image *i
             x1 = x1 > in->width_px ? in->width_px : x1 > x0 ? x1 : x0 + 1;
             y1 = y1 > in->height_px ? in->height_px : y1 > y0 ? y1 : y0 + 1;
             double sum = 0;
-            bool known = true;
+            int n = 0;
             for (int j = y0; j < y1; j++)
                 for (int i = x0; i < x1; i++) {
                     const float v = in->data[(size_t)j * (size_t)in->width_px + (size_t)i];
-                    known = known && v >= 0;
-                    sum += (double)v;
+                    n += v >= 0;
+                    sum += v >= 0 ? (double)v : 0;
                 }
-            out[(size_t)y * (size_t)width_px + (size_t)x] =
-                known ? (float)(sum / ((x1 - x0) * (double)(y1 - y0))) : -1.0f;
+            out[(size_t)y * (size_t)width_px + (size_t)x] = 2 * n > (x1 - x0) * (y1 - y0) ? (float)(sum / n)
+                                                                                          : -1.0f;
         }
 }
 
@@ -186,6 +186,6 @@ double sheen_register_cover_area(const sheen_register_pictures *p)
     double sum = 0;
     for (size_t v = 0; v < p->n_views; v++)
         for (size_t i = 0; i < (size_t)p->outlines[v].width_px * (size_t)p->outlines[v].height_px; i++)
-            sum += p->outlines[v].cover[i];
+            sum += p->views[v].mask[i] >= 0 ? p->outlines[v].cover[i] : 0;
     return sum;
 }

@@ -16,11 +16,12 @@ enum { N_YAWS = 24, SEARCH_VIEWS = 6, FULL_VIEWS = 16, COARSE_CELLS = 24, KEEP =
 
 static const double PI = 3.14159265358979323846;
 static const double SEARCH_SIZE_PX = 90;
-static const double FULL_SIZE_PX = 500;     // of the object's longest side: more adds nothing but time
-static const double DIFFERENT = 0.04;       // places further apart than this, in parts of the radius, are two
-static const double AMBIGUOUS_FACTOR = 1.5; // of the best one's misfit
-static const double POOR_SHARE = 0.02;      // of the object's size in the picture
-static const double POOR_OVERLAP = 0.9;
+static const double FULL_SIZE_PX = 500; // of the object's longest side: more adds nothing but time
+static const double DIFFERENT = 0.04;   // places further apart than this, in parts of the radius, are two
+static const double AMBIGUOUS_FACTOR[2] = {
+    1.5, 1.2}; // of the best one's misfit, which rough masks make larger for all
+static const double POOR_SHARE[2] = {0.02, 0.05}; // of the object's size in the picture; of rough masks
+static const double POOR_OVERLAP[2] = {0.9, 0.8};
 static const double POOR_FOUND = 0.7;
 static const double MAX_SIGMA_RAD = 0.3 * 3.14159265358979323846 / 180;
 static const double KNOWN_UNIT = 0.03; // the scale is a unit's when it is this near to it
@@ -310,7 +311,8 @@ static double size_px(const sheen_register_pictures *p)
 static void judge(sheen_registration *out, const search *s, const candidate *best, const candidate *second,
                   const sheen_register_pictures *full)
 {
-    const double border_px = best->misfit.border_px, poor_px = fmax(1, POOR_SHARE * size_px(full));
+    const double border_px = best->misfit.border_px,
+                 poor_px = fmax(1, POOR_SHARE[s->options->rough_masks] * size_px(full));
     out->state = SHEEN_REGISTER_SURE;
     if (second) {
         out->second_border_px = second->misfit.border_px / full->factor;
@@ -319,14 +321,16 @@ static void judge(sheen_registration *out, const search *s, const candidate *bes
         sheen_pose_difference(wd, &second->placement.Rt_board_obj, &best->placement.Rt_board_obj);
         out->second_angle_rad = sheen_norm(wd);
     }
-    if (border_px > poor_px || best->misfit.overlap < POOR_OVERLAP || best->misfit.found < POOR_FOUND) {
+    if (border_px > poor_px || best->misfit.overlap < POOR_OVERLAP[s->options->rough_masks] ||
+        best->misfit.found < POOR_FOUND) {
         out->state = SHEEN_REGISTER_POOR;
         snprintf(out->reason, sizeof out->reason,
                  "the mesh does not fit the masks (outlines %.1f px apart, overlap %.0f %%): is it this "
                  "object, and "
                  "does it stand on the board; give its up axis, unit, or correspondences",
                  border_px / full->factor, 100 * best->misfit.overlap);
-    } else if (second && second->misfit.border_px < AMBIGUOUS_FACTOR * fmax(border_px, 0.2)) {
+    } else if (second &&
+               second->misfit.border_px < AMBIGUOUS_FACTOR[s->options->rough_masks] * fmax(border_px, 0.2)) {
         out->state = SHEEN_REGISTER_AMBIGUOUS;
         snprintf(out->reason, sizeof out->reason,
                  "ambiguous: turned by %.0f degrees it fits as well (outlines %.2f and %.2f px apart), as a "

@@ -39,11 +39,12 @@ enum {
 };
 
 typedef struct sheen_register_options {
-    unsigned ups;   // 0: any
-    double unit_m;  // metres in one unit of the mesh; 0: find out
-    bool fit_scale; // let the size go even where the unit is known
-    bool edges;     // end with the pictures' edges rather than the masks' borders
-    int n_threads;  // 0: one per processor
+    unsigned ups;     // 0: any
+    double unit_m;    // metres in one unit of the mesh; 0: find out
+    bool fit_scale;   // let the size go even where the unit is known
+    bool rough_masks; // their borders are right, but pieces of the object may be missing inside
+    bool edges;       // end with the pictures' edges rather than the masks' borders
+    int n_threads;    // 0: one per processor
     sheen_progress progress;
 } sheen_register_options;
 

@@ -9,8 +9,9 @@
 
 #include "base/file.h"
 #include "base/image_file.h"
+#include "pose/board_masks.h"
 
-enum { MAX_VIEWS = 24, MAX_OVERLAYS = 12 };
+enum { MAX_VIEWS = 24, MAX_MADE = 12, MAX_OVERLAYS = 12 };
 
 // A frame with a pose, and what it shows.
 typedef struct seen {
@@ -84,15 +85,49 @@ static sheen_status by_masks(sheen_register_result *out, const inputs *in, const
             views[n] = (sheen_register_view){.mask = &in->seen[i].mask, .light = &in->seen[i].light};
             memcpy(views[n++].rt_cam_board, in->seen[i].pose->rt_cam_board, sizeof views[0].rt_cam_board);
         }
+    sheen_register_options search = o->search;
+    search.rough_masks = out->masks_made;
+    search.edges = search.edges || out->masks_made; // there the pictures themselves are sharper
     out->from_masks = true;
     return out->from_points
                ? sheen_register_refine(&out->registration, mesh, &in->camera, views, n,
-                                       &out->points.placement, &o->search, err)
-               : sheen_register_search(&out->registration, mesh, &in->camera, views, n, &o->search, err);
+                                       &out->points.placement, &search, err)
+               : sheen_register_search(&out->registration, mesh, &in->camera, views, n, &search, err);
 }
 
-static sheen_status find(sheen_register_result *out, const inputs *in, const sheen_mesh *mesh,
-                         const sheen_register_session_options *o, sheen_err *err)
+// Masks of at most MAX_MADE frames, evenly chosen, where the session has none.
+static sheen_status make_masks(inputs *in, const sheen_session *s, int n_threads, sheen_err *err)
+{
+    char path[SHEEN_PATH_MAX];
+    sheen_board board;
+    sheen_image pictures[MAX_MADE] = {{0}}, masks[MAX_MADE] = {{0}};
+    sheen_plane_view views[MAX_MADE];
+    const size_t n = in->n_seen < MAX_MADE ? in->n_seen : MAX_MADE;
+    sheen_status st = sheen_session_path(path, s, SHEEN_SESSION_BOARD, err);
+    if (!st)
+        st = sheen_board_load(&board, path, err);
+    if (st)
+        return st;
+    for (size_t i = 0; i < n && !st; i++) {
+        const seen *v = &in->seen[i * in->n_seen / n];
+        st = sheen_session_image(&pictures[i], s, v->frame, err);
+        views[i].rgb = &pictures[i];
+        memcpy(views[i].rt_cam_board, v->pose->rt_cam_board, sizeof views[i].rt_cam_board);
+    }
+    if (!st)
+        st = sheen_board_masks_make(masks, &in->camera, &board, views, n, n_threads, err);
+    for (size_t i = 0; i < n; i++) {
+        if (!st)
+            in->seen[i * in->n_seen / n].mask = masks[i];
+        sheen_image_release(&pictures[i]);
+    }
+    in->n_masks = st ? 0 : n;
+    sheen_board_release(&board);
+    return st;
+}
+
+static sheen_status find(sheen_register_result *out, inputs *in, const sheen_session *s,
+                         const sheen_mesh *mesh, const sheen_register_session_options *o, sheen_err *err)
 {
     sheen_status st = SHEEN_OK;
     if (o->points) {
@@ -105,13 +140,15 @@ static sheen_status find(sheen_register_result *out, const inputs *in, const she
     }
     if (st)
         return st;
-    if (in->n_masks)
-        return by_masks(out, in, mesh, o, err);
-    return o->points ? SHEEN_OK
-                     : sheen_fail(err, SHEEN_EDATA,
-                                  "the session has no masks to find the mesh by: import them "
-                                  "(sheen import --masks), or mark points of the mesh in the "
-                                  "frames (--points)");
+    if (!in->n_masks && !o->points) {
+        if ((st = make_masks(in, s, o->search.n_threads, err)))
+            return sheen_wrap(
+                err, st,
+                "the session has no masks to find the mesh by (sheen import --masks), no points are "
+                "marked (--points), and what hides the board cannot be told");
+        out->masks_made = true;
+    }
+    return in->n_masks ? by_masks(out, in, mesh, o, err) : SHEEN_OK;
 }
 
 // The frame, darker, with the outline over it.
@@ -176,7 +213,7 @@ sheen_status sheen_register_in_session(sheen_register_result *out, const sheen_s
     if (!st)
         st = load_views(&in, s, err);
     if (!st)
-        st = find(out, &in, mesh, options, err);
+        st = find(out, &in, s, mesh, options, err);
     out->n_masks = in.n_masks;
     if (!st)
         st = write_overlays(out, s, &in, mesh, err);

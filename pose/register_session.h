@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// register_session.h - a mesh into the board's frame of a session: from marks, from masks, or from both.
+// register_session.h - a mesh into the board's frame of a session: from marks, from masks, or from both. Where the
+// session has neither, masks are made of what hides the board (board_masks.h).
 #ifndef SHEEN_POSE_REGISTER_SESSION_H
 #define SHEEN_POSE_REGISTER_SESSION_H
 
@@ -22,12 +23,13 @@ typedef struct sheen_register_session_options {
 typedef struct sheen_register_result {
     sheen_registration registration; // from masks; where there are none, placement and sigmas from the marks
     bool from_points, from_masks;
+    bool masks_made; // of what hides the board
     sheen_register_points_fit points;
     size_t n_masks, n_overlays;
 } sheen_register_result;
 
 // Finds the mesh's place in the session's input frames and writes the overlays; nothing else in the session changes.
-// EDATA: no camera or poses, no masks nor marks, or nothing fits; and what the parts say.
+// EDATA: no camera or poses, no masks nor marks and none can be made, or nothing fits; and what the parts say.
 sheen_status sheen_register_in_session(sheen_register_result *out, const sheen_session *s,
                                        const sheen_mesh *mesh, const sheen_register_session_options *options,
                                        sheen_err *err);

@@ -1,0 +1,351 @@
+// SPDX-License-Identifier: Apache-2.0
+// board_masks.c - every pixel is asked which is likelier: the plane's own colour there, or one of the object's colours.
+//
+// 1. A pixel's line of sight meets the plane in a place whose colour B is known. Within B's own steps about that place and
+//    the noise the pixel is the plane; what lies far from it is the object.
+// 2. What was found so gives a histogram of the object's colours, over all photographs.
+// 3. log p(colour | object) - log p(colour | B), held within +-4, averaged over a small box: its sign is the mask; where it is
+//    small all about there is no telling, as of a dark object before a black square.
+#include "pose/board_masks.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/order.h"
+#include "base/parallel.h"
+#include "base/pose3.h"
+
+enum { GRID_PX = 8, BINS = 12, N_BINS = BINS * BINS * BINS };
+enum {
+    BRIDGED = 64
+}; // pieces within this part of the picture's width of one another are one, whatever lies between
+
+static const double speck = 0.03;        // of the largest piece's area
+static const float most_evidence = 4;    // of one pixel, in logarithms of odds
+static const float least_evidence = 1;   // of the surest pixel about one that counts
+static const float least_noise = 0.012f; // of a square root of light, print and resampling included
+static const float far_off = 4;          // in parts of the noise: certainly not the plane
+
+// One photograph against the plane.
+typedef struct view_job {
+    const sheen_camera *camera;
+    const sheen_plane_picture *plane;
+    const sheen_plane_view *view;
+    sheen_image *mask;
+    const float *directions; // [rows][columns][3] in the camera's frame, every GRID_PX pixels
+    int columns;
+    sheen_Rt Rt_board_cam;
+    float gain, noise;
+    const float *colours; // [N_BINS] log density of the object's colours; NULL: not known yet
+} view_job;
+
+static void root_of(float out[3], const float *rgb, float gain)
+{
+    for (int c = 0; c < 3; c++)
+        out[c] = sqrtf(fmaxf(0, rgb[c])) * gain;
+}
+
+// Directions of the lines of sight on a coarse grid: lenses are smooth.
+static sheen_status make_directions(float **out, int *columns, const sheen_camera *cam, sheen_err *err)
+{
+    const int w = cam->width_px / GRID_PX + 2, h = cam->height_px / GRID_PX + 2;
+    const size_t n = (size_t)w * (size_t)h;
+    double *q_px = malloc(2 * n * sizeof *q_px), *v_cam = malloc(3 * n * sizeof *v_cam);
+    *out = malloc(3 * n * sizeof **out);
+    *columns = w;
+    sheen_status s = q_px && v_cam && *out ? SHEEN_OK
+                                           : sheen_fail_memory(err, 52.0 * (double)n, "lines of sight");
+    for (size_t i = 0; i < n && !s; i++) {
+        q_px[2 * i] = GRID_PX * (double)(i % (size_t)w);
+        q_px[2 * i + 1] = GRID_PX * (double)(i / (size_t)w);
+    }
+    if (!s)
+        s = sheen_camera_unproject(cam, v_cam, q_px, n, err);
+    for (size_t i = 0; i < 3 * n && !s; i++)
+        (*out)[i] = (float)v_cam[i];
+    free(q_px);
+    free(v_cam);
+    return s;
+}
+
+// Range of the plane's colours about the place that a pixel looks at; false where it is not known.
+static bool plane_colours(float low[3], float high[3], const view_job *j, int x, int y)
+{
+    const int i = x / GRID_PX, k = y / GRID_PX;
+    const float *a = j->directions + 3 * (size_t)(k * j->columns + i), *b = a + 3 * (size_t)j->columns;
+    const float u = (float)(x % GRID_PX) / GRID_PX, v = (float)(y % GRID_PX) / GRID_PX;
+    double d_cam[3], d[3];
+    for (int c = 0; c < 3; c++)
+        d_cam[c] = (double)((1 - v) * ((1 - u) * a[c] + u * a[c + 3]) + v * ((1 - u) * b[c] + u * b[c + 3]));
+    sheen_Rt_direction(d, &j->Rt_board_cam, d_cam);
+    const double s = -j->Rt_board_cam.t[2] / d[2];
+    if (!(s > 0) || !isfinite(s))
+        return false;
+    const double px = (j->Rt_board_cam.t[0] + s * d[0] - j->plane->x0_m) / j->plane->pitch_m,
+                 py = (j->Rt_board_cam.t[1] + s * d[1] - j->plane->y0_m) / j->plane->pitch_m;
+    if (!(px >= 1 && py >= 1 && px < j->plane->rgb.width_px - 2 && py < j->plane->rgb.height_px - 2))
+        return false;
+    for (int c = 0; c < 3; c++) {
+        low[c] = INFINITY;
+        high[c] = -INFINITY;
+    }
+    const int x0 = (int)lround(px), y0 = (int)lround(py);
+    for (int dy = -1; dy <= 1; dy++)
+        for (int dx = -1; dx <= 1; dx++) {
+            const float *B = sheen_image_at(&j->plane->rgb, x0 + dx, y0 + dy);
+            if (B[0] < 0)
+                return false;
+            for (int c = 0; c < 3; c++) {
+                low[c] = fminf(low[c], B[c]);
+                high[c] = fmaxf(high[c], B[c]);
+            }
+        }
+    return true;
+}
+
+static int bin_of(const float root[3])
+{
+    int bin = 0;
+    for (int c = 0; c < 3; c++)
+        bin = bin * BINS + (int)fminf(BINS - 1, root[c] * BINS);
+    return bin;
+}
+
+// The largest of the channels' distances from the range, in parts of the noise.
+static float excess(const view_job *j, const float root[3], const float low[3], const float high[3])
+{
+    float most = 0;
+    for (int c = 0; c < 3; c++)
+        most = fmaxf(most, fmaxf(low[c] - root[c], root[c] - high[c]));
+    return most / j->noise;
+}
+
+// Rows of the evidence, NaN where the plane is not known. Without the object's colours: +-1 where it is certain, else 0.
+static void weigh_rows(void *self, size_t begin, size_t end)
+{
+    const view_job *j = self;
+    for (size_t y = begin; y < end; y++)
+        for (int x = 0; x < j->camera->width_px; x++) {
+            float low[3], high[3], root[3], *out = sheen_image_at(j->mask, x, (int)y);
+            *out = NAN;
+            if (!plane_colours(low, high, j, x, (int)y))
+                continue;
+            root_of(root, sheen_image_at(j->view->rgb, x, (int)y), j->gain);
+            const float z = excess(j, root, low, high);
+            if (!j->colours) {
+                *out = z > far_off ? 1.0f : z < 1 ? -1.0f : 0.0f;
+                continue;
+            }
+            // Anywhere in the range, with Gaussian noise; and one pixel in a thousand of any colour.
+            float spread = 1;
+            for (int c = 0; c < 3; c++)
+                spread *= 2.5066f * j->noise + high[c] - low[c];
+            const float plane = 0.999f * expf(-0.5f * z * z) / spread + 0.001f;
+            *out = fminf(most_evidence, fmaxf(-most_evidence, j->colours[bin_of(root)] - logf(plane)));
+        }
+}
+
+// The photograph's exposure against the plane's picture, and its noise: medians over the pixels that look at the plane.
+static sheen_status measure(view_job *j, sheen_err *err)
+{
+    const size_t most = (size_t)j->camera->width_px * (size_t)j->camera->height_px / (GRID_PX * GRID_PX) + 1;
+    double *values = malloc(most * sizeof *values);
+    if (!values)
+        return sheen_fail_memory(err, 8.0 * (double)most, "a mask");
+    for (int pass = 0; pass < 2; pass++) {
+        size_t n = 0;
+        for (int y = GRID_PX / 2; y < j->camera->height_px; y += GRID_PX)
+            for (int x = GRID_PX / 2; x < j->camera->width_px && n < most; x += GRID_PX) {
+                float low[3], high[3], root[3];
+                if (!plane_colours(low, high, j, x, y))
+                    continue;
+                root_of(root, sheen_image_at(j->view->rgb, x, y), pass ? j->gain : 1);
+                const double middle = 0.5 * (double)(low[1] + high[1]);
+                if (pass)
+                    values[n++] = (double)(excess(j, root, low, high) * j->noise);
+                else if (root[1] > 0.05f && high[1] - low[1] < 0.1f)
+                    values[n++] = middle / (double)root[1];
+            }
+        qsort(values, n, sizeof *values, sheen_ascending);
+        if (pass == 0)
+            j->gain = n ? (float)values[n / 2] : 1;
+        else if (n) // half of the plane's own pixels lie below the median even where the object fills a third
+            j->noise = fmaxf(least_noise, 1.4826f * (float)values[n / 2]);
+    }
+    free(values);
+    return SHEEN_OK;
+}
+
+// Log density of the colours of all pixels that are certainly the object's; one in ten may have any.
+static void learn_colours(float colours[N_BINS], const view_job *jobs, size_t n_views)
+{
+    size_t *counts = calloc(N_BINS, sizeof *counts), total = 0;
+    for (size_t v = 0; v < n_views && counts; v++)
+        for (int y = 0; y < jobs[v].camera->height_px; y++)
+            for (int x = 0; x < jobs[v].camera->width_px; x++)
+                if (*sheen_image_at(jobs[v].mask, x, y) > 0.5f) {
+                    float root[3];
+                    root_of(root, sheen_image_at(jobs[v].view->rgb, x, y), jobs[v].gain);
+                    counts[bin_of(root)]++;
+                    total++;
+                }
+    for (int i = 0; i < N_BINS; i++) {
+        const double share = total ? (double)counts[i] / (double)total : 0;
+        colours[i] = (float)log(0.9 * share * N_BINS + 0.1);
+    }
+    free(counts);
+}
+
+// Means over boxes of 2 r + 1, of what is known; NaN where less than half is. And the strongest of |.| instead.
+static void box_rows(float *out, const float *in, int w, int h, int r, bool strongest)
+{
+    for (int y = 0; y < h; y++)
+        for (int x = 0; x < w; x++) {
+            float sum = 0, most = 0;
+            int n = 0;
+            for (int i = x - r; i <= x + r; i++) {
+                const float v = i >= 0 && i < w ? in[(size_t)y * (size_t)w + (size_t)i] : NAN;
+                if (isnan(v))
+                    continue;
+                sum += v;
+                most = fmaxf(most, fabsf(v));
+                n++;
+            }
+            out[(size_t)y * (size_t)w + (size_t)x] = 2 * n <= 2 * r + 1 ? NAN
+                                                     : strongest        ? most
+                                                                        : sum / (float)n;
+        }
+}
+
+static void transpose(float *out, const float *in, int w, int h)
+{
+    for (int y = 0; y < h; y++)
+        for (int x = 0; x < w; x++)
+            out[(size_t)x * (size_t)h + (size_t)y] = in[(size_t)y * (size_t)w + (size_t)x];
+}
+
+static void box(float *data, float *room, int w, int h, int r, bool strongest)
+{
+    box_rows(room, data, w, h, r, strongest);
+    transpose(data, room, w, h);
+    box_rows(room, data, h, w, r, strongest);
+    transpose(data, room, h, w);
+}
+
+// Gives every pixel of a piece of `near` its number from 1 on, and returns that of the one with the most evidence for the
+// object; 0: there is none. stack: [w * h].
+static int32_t number_pieces(int32_t *number, int32_t *stack, const float *near, const float *evidence, int w,
+                             int h)
+{
+    int32_t n_pieces = 0, largest = 0;
+    size_t most = 0;
+    memset(number, 0, (size_t)w * (size_t)h * sizeof *number);
+    for (int32_t start = 0; start < w * h; start++) {
+        if (number[start] || !(near[start] > 0))
+            continue;
+        size_t n = 0, area = 0;
+        number[start] = ++n_pieces;
+        stack[n++] = start;
+        while (n) {
+            const int32_t at = stack[--n], x = at % w, beside[4] = {at - 1, at + 1, at - w, at + w};
+            const bool within[4] = {x > 0, x < w - 1, at >= w, at < w * (h - 1)};
+            area += evidence[at] > 0;
+            for (int k = 0; k < 4; k++)
+                if (within[k] && !number[beside[k]] && near[beside[k]] > 0) {
+                    number[beside[k]] = n_pieces;
+                    stack[n++] = beside[k];
+                }
+        }
+        if (area > most) {
+            most = area;
+            largest = n_pieces;
+        }
+    }
+    return largest;
+}
+
+// counts[k]: pixels that have number k. Room for [n + 1] where all have different ones.
+static void count_pixels(int32_t *counts, const int32_t *number, size_t n)
+{
+    memset(counts, 0, (n + 1) * sizeof *counts);
+    for (size_t i = 0; i < n; i++)
+        counts[number[i]]++;
+}
+
+// Evidence to a mask: smoothed, its largest piece, from 0 to 1.
+static sheen_status finish(sheen_image *mask, sheen_err *err)
+{
+    const int w = mask->width_px, h = mask->height_px, r = w / 640 > 1 ? w / 640 : 1;
+    const size_t n = (size_t)w * (size_t)h;
+    float *sure = malloc(n * sizeof *sure), *room = malloc(n * sizeof *room),
+          *near = malloc(n * sizeof *near);
+    int32_t *number = malloc(n * sizeof *number), *stack = malloc((n + 1) * sizeof *stack);
+    sheen_status s = sure && room && near && number && stack
+                         ? SHEEN_OK
+                         : sheen_fail_memory(err, 20.0 * (double)n, "a mask");
+    if (!s) {
+        box(mask->data, room, w, h, r, false);
+        memcpy(sure, mask->data, n * sizeof *sure);
+        box(sure, room, w, h, 3 * r, true);
+        // Specks, such as where a tag's edges are not matched to the pixel, bridge nothing.
+        const int32_t largest = number_pieces(number, stack, mask->data, mask->data, w, h);
+        count_pixels(stack, number, n);
+        for (size_t i = 0; i < n; i++)
+            near[i] = number[i] && (double)stack[number[i]] >= speck * (double)stack[largest] ? 1 : 0;
+        box(near, room, w, h, w / BRIDGED, true);
+        const int32_t object = number_pieces(number, stack, near, mask->data, w, h);
+        for (size_t i = 0; i < n; i++) {
+            const float e = mask->data[i];
+            const bool told = sure[i] > least_evidence && (e <= 0 || (object && number[i] == object));
+            mask->data[i] = told ? fminf(1, fmaxf(0, 0.5f + 2 * e)) : NAN;
+        }
+    }
+    free(sure);
+    free(room);
+    free(near);
+    free(number);
+    free(stack);
+    return s;
+}
+
+sheen_status sheen_board_masks_make(sheen_image *masks, const sheen_camera *camera, const sheen_board *board,
+                                    const sheen_plane_view *views, size_t n_views, int n_threads,
+                                    sheen_err *err)
+{
+    sheen_plane_picture plane;
+    float colours[N_BINS], *directions = NULL;
+    int columns = 0;
+    memset(masks, 0, n_views * sizeof *masks);
+    view_job *jobs = calloc(n_views + 1, sizeof *jobs);
+    if (!jobs)
+        return sheen_fail_memory(err, (double)n_views * sizeof *jobs, "masks");
+    sheen_status s = sheen_plane_picture_make(&plane, camera, board, views, n_views, n_threads, err);
+    if (!s)
+        s = make_directions(&directions, &columns, camera, err);
+    for (size_t v = 0; v < n_views && !s; v++) {
+        jobs[v] = (view_job){camera,     &plane,  &views[v], &masks[v],
+                             directions, columns, .gain = 1, .noise = least_noise};
+        sheen_Rt Rt_cam_board;
+        sheen_Rt_from_rt(&Rt_cam_board, views[v].rt_cam_board);
+        sheen_Rt_invert(&jobs[v].Rt_board_cam, &Rt_cam_board);
+        s = sheen_image_init(&masks[v], camera->width_px, camera->height_px, 1, err);
+        if (!s)
+            s = measure(&jobs[v], err);
+        if (!s)
+            sheen_parallel_for((size_t)camera->height_px, 16, n_threads, weigh_rows, &jobs[v]);
+    }
+    if (!s)
+        learn_colours(colours, jobs, n_views);
+    for (size_t v = 0; v < n_views && !s; v++) {
+        jobs[v].colours = colours;
+        sheen_parallel_for((size_t)camera->height_px, 16, n_threads, weigh_rows, &jobs[v]);
+        s = finish(&masks[v], err);
+    }
+    for (size_t v = 0; v < n_views && s; v++)
+        sheen_image_release(&masks[v]);
+    free(directions);
+    free(jobs);
+    sheen_plane_picture_release(&plane);
+    return s;
+}

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// board_masks.h - masks of what stands on the board, from the photographs alone: what hides the board is the object.
+#ifndef SHEEN_POSE_BOARD_MASKS_H
+#define SHEEN_POSE_BOARD_MASKS_H
+
+#include "pose/plane_picture.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// masks[n_views]: one channel of the camera's size, above 1/2 the object, below the plane that it stands on, NaN where that
+// cannot be told: beyond the plane that plane_picture.h knows, and where object and board look the same. Of what hides the
+// plane the largest piece in each photograph is the object. The caller releases them. EDATA: as plane_picture.h says; ENOMEM.
+sheen_status sheen_board_masks_make(sheen_image *masks, const sheen_camera *camera, const sheen_board *board,
+                                    const sheen_plane_view *views, size_t n_views, int n_threads,
+                                    sheen_err *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

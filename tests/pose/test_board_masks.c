@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+// test_board_masks.c - an object photographed on a board on a table, without masks: what hides the board is the object.
+#include "pose/board_masks.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/pose3.h"
+#include "mask_scene.h"
+#include "support.h"
+
+static const double DEG = 3.14159265358979323846 / 180;
+
+typedef struct studio {
+    mask_scene scene;
+    sheen_mesh mesh;
+    sheen_board board;
+    sheen_image photos[MASK_SCENE_MAX_VIEWS];
+    sheen_plane_view views[MASK_SCENE_MAX_VIEWS];
+    sheen_image masks[MASK_SCENE_MAX_VIEWS];
+} studio;
+
+// The light of the plane at a place: the print with black squares for tags, a shadow that stays, a table with a pattern.
+static void paint_plane(float rgb[3], const sheen_board *b, double x_m, double y_m)
+{
+    const double u = x_m / b->square_m + 0.5 * b->n_cols, v = 0.5 * b->n_rows - y_m / b->square_m;
+    static const float white[3] = {0.72f, 0.70f, 0.66f}, black[3] = {0.035f, 0.035f, 0.04f};
+    if (!(u > 0 && v > 0 && u < b->n_cols && v < b->n_rows)) {
+        const float wood = (float)(0.2 + 0.05 * sin(300 * x_m) * sin(60 * y_m));
+        memcpy(rgb, (const float[3]){1.3f * wood, wood, 0.7f * wood}, 3 * sizeof *rgb);
+        return;
+    }
+    const double from_middle_m = b->square_m * fmax(fabs(u - floor(u) - 0.5), fabs(v - floor(v) - 0.5));
+    const int is_white = ((int)u + (int)v) % 2 == 1 && from_middle_m > 0.5 * b->tag_side_m;
+    memcpy(rgb, is_white || hypot(x_m, y_m) < b->blank_radius_m ? white : black, 3 * sizeof *rgb);
+    if (hypot(x_m - 0.03, y_m + 0.02) < 0.06)
+        for (int c = 0; c < 3; c++)
+            rgb[c] *= 0.6f;
+}
+
+// One photograph at its own exposure, with noise; beyond the horizon a room that is another one from each side.
+static void photograph(studio *s, size_t view, const float object_rgb[3], uint64_t *seed)
+{
+    const sheen_camera *cam = &s->scene.camera;
+    sheen_err err;
+    sheen_Rt Rt_cam_board, Rt_board_cam;
+    assert_ok(sheen_image_init(&s->photos[view], cam->width_px, cam->height_px, 3, &err), err);
+    sheen_Rt_from_rt(&Rt_cam_board, s->scene.views[view].rt_cam_board);
+    sheen_Rt_invert(&Rt_board_cam, &Rt_cam_board);
+    const double gain = 0.85 + 0.3 * test_random(seed), room = test_random(seed);
+    for (int y = 0; y < cam->height_px; y++)
+        for (int x = 0; x < cam->width_px; x++) {
+            float *rgb = sheen_image_at(&s->photos[view], x, y), plane[3];
+            const float cover = *sheen_image_at(&s->scene.masks[view], x, y),
+                        shade = *sheen_image_at(&s->scene.pictures[view], x, y);
+            double d[3];
+            assert_ok(sheen_camera_unproject(cam, d, (const double[2]){x, y}, 1, &err), err);
+            sheen_Rt_direction(d, &Rt_board_cam, d);
+            const double t = -Rt_board_cam.t[2] / d[2];
+            if (t > 0 && t < 3)
+                paint_plane(plane, &s->board, Rt_board_cam.t[0] + t * d[0], Rt_board_cam.t[1] + t * d[1]);
+            else
+                plane[0] = plane[1] = plane[2] = (float)(0.1 + 0.5 * room);
+            for (int c = 0; c < 3; c++) {
+                const double light = gain * (double)(cover * shade * object_rgb[c] + (1 - cover) * plane[c]);
+                rgb[c] = (float)fmin(1, fmax(0, light + 0.004 * test_random_normal(seed)));
+            }
+        }
+    s->views[view].rgb = &s->photos[view];
+    memcpy(s->views[view].rt_cam_board, s->scene.views[view].rt_cam_board,
+           sizeof s->views[view].rt_cam_board);
+}
+
+static void set_up(studio *s, const float object_rgb[3])
+{
+    static const sheen_board_layout layout = {
+        .n_cols = 12, .n_rows = 9, .square_m = 0.025, .tag_side_m = 0.018, .blank_radius_m = 0.03};
+    static const mask_scene_options options = {
+        .width_px = 400, .height_px = 300, .n_views = 6, .distance_m = 0.42, .with_pictures = 1, .seed = 7};
+    uint64_t seed = 11;
+    sheen_err err;
+    memset(s, 0, sizeof *s);
+    mask_scene_figure(&s->mesh);
+    mask_scene_make(&s->scene, &s->mesh, &options);
+    assert_ok(sheen_board_make(&s->board, &layout, &err), err);
+    for (size_t v = 0; v < s->scene.n_views; v++)
+        photograph(s, v, object_rgb, &seed);
+}
+
+static void tear_down(studio *s)
+{
+    for (size_t v = 0; v < s->scene.n_views; v++) {
+        sheen_image_release(&s->photos[v]);
+        sheen_image_release(&s->masks[v]);
+    }
+    sheen_board_release(&s->board);
+    mask_scene_release(&s->scene);
+    sheen_mesh_release(&s->mesh);
+}
+
+// Of the pixels that are told, the share that is told right; of the object's, the share that is told at all.
+static void judge(double *right, double *told, const studio *s)
+{
+    size_t n = 0, n_right = 0, n_object = 0, n_told = 0;
+    for (size_t v = 0; v < s->scene.n_views; v++)
+        for (size_t i = 0; i < (size_t)s->masks[v].width_px * (size_t)s->masks[v].height_px; i++) {
+            const float truth = s->scene.masks[v].data[i], mask = s->masks[v].data[i];
+            n_object += truth > 0.5f;
+            n_told += truth > 0.5f && mask > 0.5f;
+            if (isnan(mask))
+                continue;
+            n++;
+            n_right += (truth > 0.5f) == (mask > 0.5f);
+        }
+    *right = (double)n_right / (double)n;
+    *told = (double)n_told / (double)n_object;
+}
+
+static void what_hides_the_board_is_the_object(void **state)
+{
+    (void)state;
+    static const float colours[][3] = {{0.7f, 0.3f, 0.08f}};
+    for (size_t k = 0; k < sizeof colours / sizeof *colours; k++) {
+        studio s;
+        sheen_err err;
+        sheen_register_view views[MASK_SCENE_MAX_VIEWS];
+        sheen_registration r;
+        double right, told, m, rad;
+        set_up(&s, colours[k]);
+        assert_ok(
+            sheen_board_masks_make(s.masks, &s.scene.camera, &s.board, s.views, s.scene.n_views, 2, &err),
+            err);
+        judge(&right, &told, &s);
+        for (size_t v = 0; v < s.scene.n_views; v++) {
+            views[v] = s.scene.views[v];
+            views[v].mask = &s.masks[v];
+        }
+        const sheen_register_options o = {.unit_m = 1, .ups = SHEEN_UP_Z, .rough_masks = true};
+        assert_ok(sheen_register_search(&r, &s.mesh, &s.scene.camera, views, s.scene.n_views, &o, &err), err);
+        mask_scene_error(&m, &rad, &r.placement, (const double[6]){0}, 1, &s.mesh);
+        print_message(
+            "object %zu: %.2f %% of what is told is right, %.0f %% of the object is told; placed to %.2f mm, "
+            "%.2f degrees\n",
+            k, 100 * right, 100 * told, 1e3 * m, rad / DEG);
+        assert_true(right > 0.98);
+        assert_true(told > 0.15);
+        assert_int_equal(r.state, SHEEN_REGISTER_SURE);
+        assert_true(m < 1e-3 && rad < 1 * DEG); // of pictures of a tenth of a megapixel
+        tear_down(&s);
+    }
+}
+
+// White as the paper: where it stands before paper nothing can be told, and that is what is said.
+static void what_looks_like_the_board_is_not_told(void **state)
+{
+    (void)state;
+    static const float paper[3] = {0.72f, 0.70f, 0.66f};
+    studio s;
+    sheen_err err;
+    double right, told;
+    set_up(&s, paper);
+    assert_ok(sheen_board_masks_make(s.masks, &s.scene.camera, &s.board, s.views, s.scene.n_views, 1, &err),
+              err);
+    judge(&right, &told, &s);
+    print_message("white object: %.2f %% of what is told is right, %.0f %% of the object is told\n",
+                  100 * right, 100 * told);
+    assert_true(right > 0.95);
+    tear_down(&s);
+}
+
+static void threads_change_nothing(void **state)
+{
+    (void)state;
+    static const float blue[3] = {0.12f, 0.25f, 0.6f};
+    studio s;
+    sheen_err err;
+    sheen_image again[MASK_SCENE_MAX_VIEWS];
+    set_up(&s, blue);
+    assert_ok(sheen_board_masks_make(s.masks, &s.scene.camera, &s.board, s.views, 4, 1, &err), err);
+    assert_ok(sheen_board_masks_make(again, &s.scene.camera, &s.board, s.views, 4, 3, &err), err);
+    for (size_t v = 0; v < 4; v++) {
+        assert_memory_equal(again[v].data, s.masks[v].data, 400 * 300 * sizeof(float));
+        sheen_image_release(&again[v]);
+    }
+    tear_down(&s);
+}
+
+static void says_what_is_missing(void **state)
+{
+    (void)state;
+    static const float blue[3] = {0.12f, 0.25f, 0.6f};
+    studio s;
+    sheen_err err;
+    set_up(&s, blue);
+    assert_fails(sheen_board_masks_make(s.masks, &s.scene.camera, &s.board, s.views, 2, 1, &err), err,
+                 SHEEN_EDATA, "three photographs");
+    // Poses of another board: half a square aside.
+    sheen_board other;
+    static const sheen_board_layout layout = {
+        .n_cols = 11, .n_rows = 9, .square_m = 0.025, .tag_side_m = 0.001};
+    assert_ok(sheen_board_make(&other, &layout, &err), err);
+    assert_fails(sheen_board_masks_make(s.masks, &s.scene.camera, &other, s.views, s.scene.n_views, 1, &err),
+                 err, SHEEN_EDATA, "do not agree on the board");
+    assert_null(s.masks[0].data);
+    sheen_board_release(&other);
+    tear_down(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_hides_the_board_is_the_object),
+        cmocka_unit_test(what_looks_like_the_board_is_not_told),
+        cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(says_what_is_missing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
