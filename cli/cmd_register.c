@@ -11,13 +11,16 @@
 #include "capture/import.h"
 #include "cli/cli.h"
 #include "cli/commands.h"
+#include "cli/pick.h"
+#include "cli/serve_here.h"
 #include "pose/register_session.h"
 
 static const double DEG_PER_RAD = 57.29577951308232;
 
 // What the person said.
 typedef struct request {
-    const char *rt, *points, *unit, *up;
+    const char *rt, *points, *pick, *unit, *up;
+    sheen_serve_options page;
     bool fit_scale, edges, keep;
     double rt_board_obj[6], unit_m;
     unsigned ups;
@@ -55,6 +58,8 @@ static sheen_status check(sheen_cli *cli, request *r, sheen_err *err)
             r->ups = up;
     if (r->up && !r->ups)
         return sheen_cli_usage(cli, err, "'--up' is x, -x, y, -y, z or -z, not '%.60s'", r->up);
+    if (r->pick && (r->points || r->rt))
+        return sheen_cli_usage(cli, err, "'--pick' makes the marks: '--points' and '--rt' do not go with it");
     if (r->rt && (r->points || r->up))
         return sheen_cli_usage(cli, err,
                                "'--rt' says where the mesh stands: '--points' and '--up' do not go with it");
@@ -180,6 +185,24 @@ static sheen_status enter(sheen_cli *cli, sheen_session *s, const char *path, co
     return st;
 }
 
+// The page of marks, until the person has enough.
+static sheen_status pick_marks(sheen_cli *cli, const request *r, const sheen_session *s,
+                               const sheen_mesh *mesh, sheen_err *err)
+{
+    sheen_pick *pick;
+    sheen_status st = sheen_pick_open(&pick, s, mesh, r->pick, r->ups, r->unit_m, err);
+    if (st)
+        return st;
+    st = sheen_cli_serve(cli, sheen_pick_answer, pick, &r->page, err);
+    if (!st) {
+        sheen_cli_say(cli, "%zu marks are in '%s': sheen register %s %s --points %s", sheen_pick_count(pick),
+                      r->pick, cli->args[0], cli->args[1], r->pick);
+        sheen_json_put_int(&cli->out, "marks", (long long)sheen_pick_count(pick));
+    }
+    sheen_pick_close(&pick);
+    return st;
+}
+
 static sheen_status work(sheen_cli *cli, request *r, sheen_session *s, sheen_err *err)
 {
     sheen_mesh mesh;
@@ -187,6 +210,11 @@ static sheen_status work(sheen_cli *cli, request *r, sheen_session *s, sheen_err
     sheen_status st = sheen_mesh_load_any(&mesh, cli->args[1], err);
     if (st)
         return st;
+    if (r->pick) {
+        st = pick_marks(cli, r, s, &mesh, err);
+        sheen_mesh_release(&mesh);
+        return st;
+    }
     if (!r->rt)
         st = find(cli, r, &scale, s, &mesh, err);
     if (!st)
@@ -211,6 +239,13 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
          0, 0},
         {"points", 0, SHEEN_OPTION_TEXT, &r.points, "FILE",
          "points of the mesh marked in frames: lines of\n'frame x y X Y Z' (pixels; the mesh's unit)", 0, 0},
+        {"pick", 0, SHEEN_OPTION_TEXT, &r.pick, "FILE",
+         "mark such points on a page in your browser, into\nFILE; the mesh stays where it is until\n--points "
+         "FILE",
+         0, 0},
+        {"port", 0, SHEEN_OPTION_INT, &r.page.port, "N", "of that page (default: any that is free)", 1,
+         65535},
+        {"no-browser", 0, SHEEN_OPTION_FLAG, &r.page.stay, NULL, "only say the page's address", 0, 0},
         {"unit", 0, SHEEN_OPTION_TEXT, &r.unit, "UNIT", "of the mesh: m, cm, mm, inch (default: found)", 0,
          0},
         {"up", 0, SHEEN_OPTION_TEXT, &r.up, "AXIS",

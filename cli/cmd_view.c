@@ -1,23 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // cmd_view.c - sheen view: the exported page, served on this machine, with the photographs; it follows the session.
-#include <fcntl.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "base/file.h"
 #include "cli/commands.h"
 #include "cli/export.h"
 #include "cli/page_photos.h"
-#include "cli/serve.h"
+#include "cli/serve_here.h"
 #include "cli/viewer_html.h"
 
-extern char **environ;
-
-enum { PHOTO_WIDTH_PX = 1600, WAIT_MS = 250, QUANTIZER = 2 };
+enum { PHOTO_WIDTH_PX = 1600, QUANTIZER = 2 };
 
 typedef struct viewing {
     const char *path; // of the session
@@ -98,15 +93,6 @@ static sheen_status load(viewing *v, sheen_err *err)
     return st;
 }
 
-static void answer_text(sheen_answer *to, const char *type, const char *text)
-{
-    to->size_bytes = strlen(text);
-    to->data = malloc(to->size_bytes + 1);
-    to->type = type;
-    if (to->data)
-        memcpy(to->data, text, to->size_bytes + 1);
-}
-
 // A page that asks again every two seconds.
 static void answer_waiting(sheen_answer *to, const char *why)
 {
@@ -127,7 +113,7 @@ static void answer_waiting(sheen_answer *to, const char *why)
              "yet</h1>"
              "<p>%s</p><p>This page shows the model as soon as there is one.</p></main></body></html>",
              shown);
-    answer_text(to, "text/html; charset=utf-8", html);
+    sheen_answer_text(to, "text/html; charset=utf-8", html);
 }
 
 static void answer_page(viewing *v, sheen_answer *to)
@@ -176,40 +162,22 @@ static void answer(void *self, const char *what, sheen_answer *to)
         char state[sizeof v->state], json[sizeof v->state + 32];
         look_at_model(state, v->path);
         snprintf(json, sizeof json, "{\"changed\": %s}", strcmp(state, v->state) ? "true" : "false");
-        answer_text(to, "application/json", json);
+        sheen_answer_text(to, "application/json", json);
     } else if (!strncmp(what, "photo/", 6)) {
         answer_photo(v, what + 6, to);
     }
 }
 
-// The person's own browser; where there is none the address was said.
-static void open_browser(const char *address)
-{
-    char program[] = "xdg-open", where[128];
-    char *const args[] = {program, where, NULL};
-    posix_spawn_file_actions_t quiet;
-    pid_t child;
-    snprintf(where, sizeof where, "%s", address);
-    if (posix_spawn_file_actions_init(&quiet))
-        return;
-    if (!posix_spawn_file_actions_addopen(&quiet, STDOUT_FILENO, "/dev/null", O_WRONLY, 0) &&
-        !posix_spawn_file_actions_adddup2(&quiet, STDOUT_FILENO, STDERR_FILENO))
-        (void)posix_spawnp(&child, program, &quiet, NULL, args, environ);
-    posix_spawn_file_actions_destroy(&quiet);
-}
-
 static sheen_status run(sheen_cli *cli, sheen_err *err)
 {
     viewing v = {.open = false};
-    int port = 0;
-    bool stay = false;
+    sheen_serve_options o = {0};
     const sheen_option options[] = {
-        {"port", 0, SHEEN_OPTION_INT, &port, "N", "of the address (default: any that is free)", 1, 65535},
-        {"no-browser", 0, SHEEN_OPTION_FLAG, &stay, NULL, "only say the address", 0, 0},
+        {"port", 0, SHEEN_OPTION_INT, &o.port, "N", "of the address (default: any that is free)", 1, 65535},
+        {"no-browser", 0, SHEEN_OPTION_FLAG, &o.stay, NULL, "only say the address", 0, 0},
         {"threads", 0, SHEEN_OPTION_INT, &v.n_threads, "N", "default: one a processor", 1, 1024},
         {0},
     };
-    sheen_server *server;
     sheen_session s;
     sheen_status st = sheen_cli_parse(cli, options, 1, 1, err);
     if (st || cli->wants_help)
@@ -221,18 +189,9 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
         return sheen_fail(err, SHEEN_EUNSUP,
                           "this build has no viewer to show; install nodejs and npm, and build again");
     v.path = cli->args[0];
-    if ((st = sheen_server_open(&server, port, answer, &v, err)))
-        return st;
-    sheen_cli_say(cli, "%s", sheen_server_address(server));
-    sheen_cli_say(cli, "for this machine only, until Ctrl-C");
-    fflush(stdout);
-    if (!stay)
-        open_browser(sheen_server_address(server));
-    while (!sheen_cli_interrupted())
-        sheen_server_wait(server, WAIT_MS);
-    sheen_server_close(&server);
+    st = sheen_cli_serve(cli, answer, &v, &o, err);
     forget(&v);
-    return SHEEN_OK;
+    return st;
 }
 
 const sheen_command sheen_cmd_view = {

@@ -44,7 +44,7 @@ void sheen_page_photos_close(sheen_page_photos *p)
     p->count = 0;
 }
 
-static sheen_status code(uint8_t **jpeg, size_t *jpeg_bytes, const sheen_image *lin, sheen_err *err)
+sheen_status sheen_page_jpeg(uint8_t **jpeg, size_t *jpeg_bytes, const sheen_image *lin, sheen_err *err)
 {
     sheen_raster r;
     sheen_status st = sheen_raster_from_linear(&r, lin, err);
@@ -73,7 +73,7 @@ sheen_status sheen_page_photo(uint8_t **jpeg, size_t *jpeg_bytes, const sheen_pa
         return st;
     st = sheen_image_undistort(&straight, &lin, cam, &pinhole, 0, err);
     if (!st)
-        st = code(jpeg, jpeg_bytes, &straight, err);
+        st = sheen_page_jpeg(jpeg, jpeg_bytes, &straight, err);
     sheen_image_release(&straight);
     sheen_image_release(&lin);
     return st;

@@ -17,6 +17,9 @@ sheen_status sheen_page_photos_open(sheen_page_photos *out, const sheen_session 
                                     sheen_err *err);
 void sheen_page_photos_close(sheen_page_photos *p);
 
+// Linear light as a JPEG, for a page. The caller frees it.
+sheen_status sheen_page_jpeg(uint8_t **jpeg, size_t *jpeg_bytes, const sheen_image *lin, sheen_err *err);
+
 // Photograph i straightened to a pinhole of the page's field of view, at most width_px wide, as JPEG. The caller frees it.
 sheen_status sheen_page_photo(uint8_t **jpeg, size_t *jpeg_bytes, const sheen_page_photos *p, size_t i,
                               const sheen_session *s, const sheen_camera *cam, int width_px, sheen_err *err);

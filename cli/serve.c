@@ -107,6 +107,15 @@ static enum MHD_Result on_request(void *self, struct MHD_Connection *connection,
     return reply(connection, MHD_HTTP_OK, answer.type, answer.data, answer.size_bytes, MHD_RESPMEM_MUST_FREE);
 }
 
+void sheen_answer_text(sheen_answer *to, const char *type, const char *text)
+{
+    to->size_bytes = strlen(text);
+    to->data = malloc(to->size_bytes + 1);
+    to->type = type;
+    if (to->data)
+        memcpy(to->data, text, to->size_bytes + 1);
+}
+
 static sheen_status make_secret(sheen_server *s, sheen_err *err)
 {
     uint8_t bytes[SECRET_BYTES];

@@ -17,6 +17,9 @@ typedef struct sheen_answer {
     const char *type; // MIME
 } sheen_answer;
 
+// An answer of a text, copied; none where there is no memory for it.
+void sheen_answer_text(sheen_answer *to, const char *type, const char *text);
+
 // what: the part of the address after the secret, "" for the page itself. Runs within sheen_server_wait.
 typedef void (*sheen_answering)(void *self, const char *what, sheen_answer *answer);
 

@@ -4,5 +4,6 @@
 #define SHEEN_CLI_VIEWER_HTML_H
 
 extern const char sheen_viewer_html[]; // "": this build has no viewer
+extern const char sheen_pick_html[];   // the page of `sheen register --pick`; likewise
 
 #endif

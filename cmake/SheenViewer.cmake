@@ -51,5 +51,5 @@ else()
   # Another file than the built page: turning the viewer on later must not find this one newer than its sources.
   set(SHEEN_VIEWER_SOURCE ${PROJECT_BINARY_DIR}/view/no_viewer_html.c)
   file(CONFIGURE OUTPUT ${SHEEN_VIEWER_SOURCE} CONTENT
-    "#include \"cli/viewer_html.h\"\n\nconst char sheen_viewer_html[] = \"\";\n")
+    "#include \"cli/viewer_html.h\"\n\nconst char sheen_viewer_html[] = \"\";\nconst char sheen_pick_html[] = \"\";\n")
 endif()

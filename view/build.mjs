@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// build.mjs - the viewer as one HTML text, written as a C array: node build.mjs OUTPUT.c [OUTPUT.html]
+// build.mjs - the viewer as one HTML text, and the page of marks, written as C arrays: node build.mjs OUTPUT.c [OUTPUT.html]
 //
 // The program text is deflated and inflated again by the page, as the model is: three.js is long.
 import { build } from "esbuild";
@@ -40,10 +40,17 @@ html = put(html, "/*@START@*/", start.trim().replaceAll("</script", "<\\/script"
 html = put(html, "@VIEWER@", deflateRawSync(script, { level: 9 }).toString("base64"));
 if (htmlFile) writeFileSync(htmlFile, html);
 
-const bytes = [...Buffer.from(html, "utf8"), 0];
-const lines = [];
-for (let i = 0; i < bytes.length; i += 24) lines.push(bytes.slice(i, i + 24).map((b) => (b > 127 ? b - 256 : b)).join(","));
+let pick = readFileSync(join(here, "pick.html"), "utf8");
+pick = put(pick, "/*@STYLE@*/", (await bundle("pick.css", {})).trim());
+pick = put(pick, "/*@PICK@*/", (await bundle("pick.ts", { format: "iife" })).trim().replaceAll("</script", "<\\/script"));
+
+function array(name, text) {
+    const bytes = [...Buffer.from(text, "utf8"), 0];
+    const lines = [];
+    for (let i = 0; i < bytes.length; i += 24) lines.push(bytes.slice(i, i + 24).map((b) => (b > 127 ? b - 256 : b)).join(","));
+    return `\nconst char ${name}[] = {\n${lines.join(",\n")}};\n`;
+}
 writeFileSync(
     cFile,
-    `// Made by view/build.mjs; do not edit.\n#include "cli/viewer_html.h"\n\nconst char sheen_viewer_html[] = {\n${lines.join(",\n")}};\n`,
+    `// Made by view/build.mjs; do not edit.\n#include "cli/viewer_html.h"\n${array("sheen_viewer_html", html)}${array("sheen_pick_html", pick)}`,
 );

@@ -45,3 +45,4 @@ find kept -type f | grep -v /registration/ | sort | xargs cksum | cmp before -
 sheen register kept mm.obj --unit furlong
 sheen register kept mm.obj --up w
 sheen register kept mm.obj --up z --rt 0,0,0,0,0,0
+sheen register kept mm.obj --pick a.txt --points marks.txt
