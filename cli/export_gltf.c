@@ -9,7 +9,9 @@
 #include "base/image_file.h"
 #include "base/pose3.h"
 #include "cli/export.h"
+#include "fit/metrics.h"
 #include "render/gltf.h"
+#include "render/gltf_view.h"
 #include "render/orbit.h"
 
 // What shops ask of a model for the web: 3 MB, 150,000 triangles, textures of 2048 px.
@@ -62,6 +64,68 @@ static sheen_status make(sheen_gltf *out, const sheen_model *model, sheen_gltf_o
     }
 }
 
+// How well a viewer that keeps to glTF agrees with `sheen render`, over surface that a photograph saw.
+typedef struct agreement {
+    double mean_db, worst_db;
+} agreement;
+
+enum { N_VIEWS = 6 };
+static const int measured_size_px[2] = {400, 300};
+static const double most_db = 99; // identical pictures have no finite figure
+
+static sheen_status compare(double *db, const sheen_gltf *g, const sheen_gltf_options *o,
+                            const sheen_drawing *d, const sheen_camera *cam, const double rt_cam_obj[6],
+                            int n_threads, sheen_err *err)
+{
+    const sheen_draw_options options = {.samples_per_side = 1, .n_threads = n_threads};
+    sheen_layers model = {0};
+    sheen_image shown = {0};
+    uint8_t *select = NULL;
+    sheen_status s = sheen_draw(&model, d, cam, rt_cam_obj, o->rt_world_obj, &options, err);
+    if (!s)
+        s = sheen_gltf_view(&shown, g, cam, rt_cam_obj, options.background_rgb, n_threads, err);
+    const size_t n = (size_t)cam->width_px * (size_t)cam->height_px;
+    if (!s && !(select = malloc(n)))
+        s = sheen_fail_memory(err, (double)n, "a mask");
+    for (size_t i = 0; !s && i < n; i++)
+        select[i] = model.coverage.data[i] > 0.5f && !(model.holes.data[i] > 0);
+    if (!s)
+        *db = sheen_psnr_of(&shown, &model.composite, select).srgb_db;
+    free(select);
+    sheen_image_release(&shown);
+    sheen_layers_release(&model);
+    return s;
+}
+
+// Views all around, at the first one's elevation.
+static sheen_status measure(agreement *out, const sheen_gltf *g, const sheen_gltf_options *o,
+                            const sheen_cli_view *v, const double look_deg[2], int n_threads, sheen_err *err)
+{
+    sheen_camera cam;
+    sheen_drawing *d = NULL;
+    int n_counted = 0;
+    *out = (agreement){.worst_db = most_db};
+    sheen_status s = sheen_cli_view_pinhole(&cam, v, measured_size_px, err);
+    if (!s)
+        s = sheen_drawing_new(&d, &v->model, err);
+    for (int i = 0; !s && i < N_VIEWS; i++) {
+        double rt_cam_obj[6], db = (double)NAN;
+        s = sheen_view_pose(rt_cam_obj, &v->model.mesh, v->rt_board_obj, &cam,
+                            (look_deg[0] + 360.0 * i / N_VIEWS) * rad_per_deg, look_deg[1] * rad_per_deg, 0,
+                            err);
+        if (!s)
+            s = compare(&db, g, o, d, &cam, rt_cam_obj, n_threads, err);
+        if (isnan(db))
+            continue;
+        n_counted++;
+        out->mean_db += fmin(db, most_db);
+        out->worst_db = fmin(out->worst_db, db);
+    }
+    sheen_drawing_free(&d);
+    out->mean_db = n_counted ? out->mean_db / n_counted : (double)NAN;
+    return s;
+}
+
 static sheen_status write_reference(const char *path, const sheen_cli_view *v, const double look_deg[2],
                                     sheen_err *err)
 {
@@ -75,6 +139,18 @@ static sheen_status write_reference(const char *path, const sheen_cli_view *v, c
         s = sheen_png_write_srgb(path, &layers.composite, err);
     sheen_layers_release(&layers);
     return s;
+}
+
+static void say_agreement(sheen_cli *cli, const agreement *a)
+{
+    if (isnan(a->mean_db))
+        return;
+    sheen_cli_say(
+        cli,
+        "  under its panorama within %.1f dB of this model's own drawings (mean of %d views; worst %.1f)",
+        a->mean_db, N_VIEWS, a->worst_db);
+    sheen_json_put_number(&cli->out, "agreement_db", a->mean_db);
+    sheen_json_put_number(&cli->out, "worst_agreement_db", a->worst_db);
 }
 
 static void say(sheen_cli *cli, const sheen_gltf *g, const char *output, const char *panorama,
@@ -118,7 +194,8 @@ sheen_status sheen_export_gltf(sheen_cli *cli, const sheen_export_args *a, const
 {
     char panorama[SHEEN_PATH_MAX], reference[SHEEN_PATH_MAX], title[256];
     double look_deg[2], rt_world_obj[6];
-    sheen_gltf g;
+    sheen_gltf g = {0};
+    agreement near = {0};
     sheen_export_title(title, a, s);
     sheen_gltf_options o = {.title = title,
                             .rt_board_obj = v->rt_board_obj,
@@ -144,7 +221,11 @@ sheen_status sheen_export_gltf(sheen_cli *cli, const sheen_export_args *a, const
     if (!st)
         st = write_reference(reference, v, look_deg, err);
     if (!st)
+        st = measure(&near, &g, &o, v, look_deg, a->n_threads, err);
+    if (!st) {
         say(cli, &g, a->output, panorama, reference, look_deg, v->camera.intrinsics[0] / v->camera.width_px);
+        say_agreement(cli, &near);
+    }
     sheen_gltf_release(&g);
     return st;
 }

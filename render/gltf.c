@@ -27,6 +27,7 @@ void sheen_gltf_release(sheen_gltf *g)
 {
     free(g->glb);
     sheen_image_release(&g->panorama);
+    sheen_surface_picture_release(&g->surface);
     *g = (sheen_gltf){.glb = NULL};
 }
 
@@ -122,8 +123,7 @@ static void find_base_colour(sheen_gltf *g, sheen_surface_picture *p, const floa
     g->clipped = n ? (double)n_clipped / (double)n : 0;
 }
 
-static sheen_status vertex_irradiance(float **out, const sheen_gltf *g, const sheen_mesh *mesh,
-                                      sheen_err *err)
+sheen_status sheen_gltf_irradiance(float **out, const sheen_gltf *g, const sheen_mesh *mesh, sheen_err *err)
 {
     float *n_env = malloc(3 * mesh->n_vertices * sizeof *n_env);
     *out = malloc(3 * mesh->n_vertices * sizeof **out);
@@ -160,14 +160,14 @@ static sheen_status make_base_colour(sheen_gltf *g, sheen_surface_picture *p, co
 {
     float *irradiance = NULL;
     sheen_status s = SHEEN_OK;
-    if (model->surroundings.present && !(s = vertex_irradiance(&irradiance, g, &p->mesh, err)))
+    if (model->surroundings.present && !(s = sheen_gltf_irradiance(&irradiance, g, &p->mesh, err)))
         take_off(p, irradiance, g->f0 - model->surroundings.f0);
     free(irradiance);
     irradiance = NULL;
     if (!s)
         s = sheen_panorama_add_lights(&g->panorama, model, rt_world_obj, g->R_gltf_obj, g->f0, err);
     if (!s)
-        s = vertex_irradiance(&irradiance, g, &p->mesh, err);
+        s = sheen_gltf_irradiance(&irradiance, g, &p->mesh, err);
     if (!s)
         s = find_dome(&g->dome_lin, p, irradiance, g->f0, err);
     if (!s) {
@@ -181,16 +181,28 @@ static sheen_status make_base_colour(sheen_gltf *g, sheen_surface_picture *p, co
     return s;
 }
 
-static sheen_status code_picture(uint8_t **jpeg, size_t *jpeg_bytes, const sheen_image *lin, int quality,
+// The picture is then what its reader has.
+static sheen_status code_picture(uint8_t **jpeg, size_t *jpeg_bytes, sheen_image *lin, int quality,
                                  sheen_err *err)
 {
     sheen_raster coded;
+    sheen_image decoded = {0};
     sheen_status s = sheen_raster_from_linear(&coded, lin, err);
     if (s)
         return s;
     s = sheen_jpeg_encode(jpeg, jpeg_bytes, &coded, quality, err);
     sheen_raster_release(&coded);
-    return s;
+    if (!s)
+        s = sheen_raster_parse(&coded, *jpeg, *jpeg_bytes, err);
+    if (s)
+        return s;
+    s = sheen_image_from_raster(&decoded, &coded, SHEEN_TRANSFER_SRGB, err);
+    sheen_raster_release(&coded);
+    if (s)
+        return s;
+    sheen_image_release(lin);
+    *lin = decoded;
+    return SHEEN_OK;
 }
 
 static double brightness(const sheen_far_light *l)
@@ -258,17 +270,18 @@ static bool has_fresnel(const sheen_model *m)
     return m->surroundings.present || (m->n_lamps && m->lobe_fresnel > 0);
 }
 
-static sheen_status write_it(sheen_gltf *g, const sheen_model *model, const sheen_surface_picture *p,
-                             const sheen_gltf_options *o, sheen_err *err)
+static sheen_status write_it(sheen_gltf *g, const sheen_model *model, const sheen_gltf_options *o,
+                             sheen_err *err)
 {
+    sheen_surface_picture *p = &g->surface;
     sheen_gltf_parts parts = {.title = o->title,
                               .mesh = &p->mesh,
                               .charts = &p->charts,
                               .R_gltf_obj = g->R_gltf_obj,
                               .t_gltf_obj = g->t_gltf_obj,
                               .roughness = g->roughness,
-                              .specular_factor = has_fresnel(model) ? 1 : g->f0,
-                              .specular_colour = has_fresnel(model) ? 1 : 1 / dielectric};
+                              .specular_factor = g->specular_factor,
+                              .specular_colour = g->specular_colour};
     uint8_t *jpeg = NULL;
     sheen_gltf_light lights[SHEEN_GLTF_MAX_LIGHTS];
     sheen_status s = code_picture(&jpeg, &parts.jpeg_bytes, &p->rgb, o->jpeg_quality, err);
@@ -287,29 +300,30 @@ static sheen_status write_it(sheen_gltf *g, const sheen_model *model, const shee
 sheen_status sheen_gltf_make(sheen_gltf *out, const sheen_model *model, const sheen_gltf_options *o,
                              sheen_err *err)
 {
-    sheen_surface_picture p;
     sheen_model plain;
     float *n_obj;
-    *out = (sheen_gltf){.f0 = dielectric};
+    *out = (sheen_gltf){.f0 = dielectric,
+                        .specular_factor = has_fresnel(model) ? 1 : dielectric,
+                        .specular_colour = has_fresnel(model) ? 1 : 1 / dielectric};
+    sheen_surface_picture *p = &out->surface;
     const double tail = model->n_lamps ? model->lobe_tail : 0;
     out->roughness = sqrt(
         fmin(1, (ggx_per_sigma + tail * (ggx_per_sigma_of_tail - ggx_per_sigma)) * model->sigma_rad));
     sheen_status s = sheen_model_with_vertex_normals(&plain, &n_obj, model, err);
     if (!s)
-        s = sheen_surface_picture_make(&p, &plain, o->max_triangles, o->max_side_px, err);
+        s = sheen_surface_picture_make(p, &plain, o->max_triangles, o->max_side_px, err);
     free(n_obj);
     if (s)
         return s;
-    out->n_triangles = p.mesh.n_triangles;
-    out->side_px = p.charts.side_px;
-    out->moved_m = p.moved_m;
+    out->n_triangles = p->mesh.n_triangles;
+    out->side_px = p->charts.side_px;
+    out->moved_m = p->moved_m;
     place_object(out, &model->mesh, o->rt_board_obj);
     s = sheen_panorama_make(&out->panorama, model, o->rt_world_obj, out->R_gltf_obj, PANORAMA_HEIGHT_PX, err);
     if (!s)
-        s = make_base_colour(out, &p, model, o->rt_world_obj, err);
+        s = make_base_colour(out, p, model, o->rt_world_obj, err);
     if (!s)
-        s = write_it(out, model, &p, o, err);
-    sheen_surface_picture_release(&p);
+        s = write_it(out, model, o, err);
     if (s)
         sheen_gltf_release(out);
     return s;

@@ -12,6 +12,7 @@
 #define SHEEN_RENDER_GLTF_H
 
 #include "render/model.h"
+#include "render/surface_picture.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -31,9 +32,10 @@ typedef struct sheen_gltf {
     uint8_t *glb;
     size_t glb_bytes;
     sheen_image panorama;
+    sheen_surface_picture surface; // mesh and base colour (linear) as the file has them
     size_t n_triangles;
     int side_px, n_lights;
-    double roughness, f0;
+    double roughness, f0, specular_factor, specular_colour;
     double moved_m;  // how far simplifying moved the surface
     double dome_lin; // light added from everywhere, so that no base colour is beyond white
     double clipped;  // share of the base colour that was beyond 0..1 all the same
@@ -45,6 +47,9 @@ typedef struct sheen_gltf {
 sheen_status sheen_gltf_make(sheen_gltf *out, const sheen_model *model, const sheen_gltf_options *options,
                              sheen_err *err);
 void sheen_gltf_release(sheen_gltf *g);
+
+// Light of the panorama that falls on each vertex of a mesh in frame obj, [n_vertices][3]. The caller frees *out. ENOMEM.
+sheen_status sheen_gltf_irradiance(float **out, const sheen_gltf *g, const sheen_mesh *mesh, sheen_err *err);
 
 #ifdef __cplusplus
 }

@@ -10,6 +10,8 @@
 #include <string.h>
 
 #include "base/vec.h"
+#include "render/draw.h"
+#include "render/gltf_view.h"
 #include "render/panorama.h"
 #include "render/simplify.h"
 #include "render/surface_picture.h"
@@ -239,6 +241,96 @@ static void our_own_reader_reads_the_file(void **state)
     sheen_model_release(&m);
 }
 
+static const double from_above[6] = {3.14159265358979323846, 0, 0, 0, 0, 0.6}; // 0.6 m over it, looking down
+static const float black[3] = {0};
+
+static void view_from_above(sheen_image *out, const sheen_gltf *g, sheen_camera *cam)
+{
+    sheen_err err = {0};
+    const double fxycxy[4] = {150, 150, 47.5, 35.5};
+    assert_ok(sheen_camera_opencv(cam, 96, 72, fxycxy, NULL, 0, &err), err);
+    assert_ok(sheen_gltf_view(out, g, cam, from_above, black, 1, &err), err);
+}
+
+// A white surface under light that is the same from everywhere cannot be told from it: no light is lost or made.
+static void white_in_a_white_world_is_white(void **state)
+{
+    (void)state;
+    sheen_err err = {0};
+    sheen_model m;
+    sheen_gltf g;
+    sheen_image shown;
+    sheen_camera cam;
+    make_model(&m);
+    const sheen_gltf_options o = options_of(m.mesh.n_triangles, 0);
+    assert_ok(sheen_gltf_make(&g, &m, &o, &err), err);
+    g.specular_factor = g.specular_colour = 1; // Schlick's term, as a refined model has it
+    for (size_t i = 0; i < 3 * (size_t)g.panorama.width_px * (size_t)g.panorama.height_px; i++)
+        g.panorama.data[i] = 0.7f;
+    for (size_t i = 0; i < 3 * (size_t)g.side_px * (size_t)g.side_px; i++)
+        g.surface.rgb.data[i] = 1;
+    view_from_above(&shown, &g, &cam);
+    size_t n = 0;
+    for (size_t i = 0; i < 3 * (size_t)cam.width_px * (size_t)cam.height_px; i++)
+        if (shown.data[i] > 0) {
+            assert_close(shown.data[i], 0.7, 0.01);
+            n++;
+        }
+    assert_true(n > 300);
+    sheen_image_release(&shown);
+    sheen_gltf_release(&g);
+    sheen_model_release(&m);
+}
+
+// Root mean square difference, over the model's drawing where a photograph saw the surface.
+static double difference_from(const sheen_layers *model, const sheen_image *shown)
+{
+    double sum = 0;
+    size_t n = 0;
+    for (size_t i = 0; i < (size_t)shown->width_px * (size_t)shown->height_px; i++)
+        for (size_t c = 0; c < 3; c++)
+            if (model->coverage.data[i] > 0.5f && !(model->holes.data[i] > 0)) {
+                const double d = (double)(shown->data[3 * i + c] - model->composite.data[3 * i + c]);
+                sum += d * d;
+                n++;
+            }
+    assert_true(n > 300);
+    return sqrt(sum / (double)n);
+}
+
+// The highlight under the panorama is the model's, and is not where the light has gone.
+static void what_gltf_shows_is_like_the_model(void **state)
+{
+    (void)state;
+    sheen_err err = {0};
+    sheen_model m;
+    sheen_gltf g;
+    sheen_image shown, dark;
+    sheen_layers drawn = {0};
+    sheen_drawing *d;
+    sheen_camera cam;
+    make_model(&m);
+    const sheen_gltf_options o = options_of(m.mesh.n_triangles, 0);
+    const sheen_draw_options one = {.samples_per_side = 1, .n_threads = 1};
+    assert_ok(sheen_gltf_make(&g, &m, &o, &err), err);
+    view_from_above(&shown, &g, &cam);
+    assert_ok(sheen_drawing_new(&d, &m, &err), err);
+    assert_ok(sheen_draw(&drawn, d, &cam, from_above, no_turn, &one, &err), err);
+    const double near = difference_from(&drawn, &shown);
+    for (size_t i = 0; i < 3 * (size_t)g.panorama.width_px * (size_t)g.panorama.height_px; i++)
+        g.panorama.data[i] = 0;
+    assert_ok(sheen_gltf_view(&dark, &g, &cam, from_above, black, 1, &err), err);
+    const double far = difference_from(&drawn, &dark);
+    print_message("difference %.4f, without light %.4f\n", near, far);
+    assert_true(near < 0.1 * far);
+    sheen_image_release(&dark);
+    sheen_image_release(&shown);
+    sheen_layers_release(&drawn);
+    sheen_drawing_free(&d);
+    sheen_gltf_release(&g);
+    sheen_model_release(&m);
+}
+
 // One triangle that no photograph saw, without light.
 static void the_least_model_is_written(void **state)
 {
@@ -287,6 +379,8 @@ int main(void)
         cmocka_unit_test(a_near_lamp_is_a_point_light),
         cmocka_unit_test(fewer_triangles_stay_near),
         cmocka_unit_test(our_own_reader_reads_the_file),
+        cmocka_unit_test(white_in_a_white_world_is_white),
+        cmocka_unit_test(what_gltf_shows_is_like_the_model),
         cmocka_unit_test(the_least_model_is_written),
         cmocka_unit_test(unknown_pixels_take_the_colour_about_them),
     };
