@@ -26,6 +26,7 @@ static const char style[] =
     ".8em}.good{border-color:var(--good)}"
     "table{border-collapse:collapse;margin:.6em 0;font-variant-numeric:tabular-nums}td,th{padding:.15em "
     ".7em;text-align:right;border-bottom:1px solid var(--line)}td:first-child,th:first-child{text-align:left}"
+    "td:first-child{white-space:nowrap}.said td:last-child,.said th:last-child{text-align:left}"
     "th{font-weight:600;color:var(--soft)}.flow{display:flex;flex-wrap:wrap;gap:1em}figure{margin:.6em "
     "0;max-width:100%}figcaption{color:var(--soft);font-size:.9em}img,svg{max-width:100%;height:auto}"
     "svg text{fill:var(--ink);font:11px system-ui,sans-serif}.axis{stroke:var(--soft);fill:none}"
@@ -143,7 +144,8 @@ void sheen_report_table(sheen_report *r, const char *headings)
     char cells[MAX_TEXT_BYTES];
     snprintf(cells, sizeof cells, "%s", headings);
     close_flow(r);
-    sheen_report_raw(r, "<table>\n");
+    const char *last = strrchr(headings, '|'); // words are read from the left
+    sheen_report_raw(r, last && !strcmp(last, "|remark") ? "<table class=said>\n" : "<table>\n");
     r->in_table = true;
     write_cells(r, cells, "th");
 }

@@ -164,6 +164,13 @@ static sheen_status find_uncertainty(sheen_calibration *c, const sheen_problem *
     return s == SHEEN_EDATA ? SHEEN_OK : s;
 }
 
+static sheen_status find_vignetting(sheen_calibration *c, const sheen_calibrate_job *j, sheen_err *err)
+{
+    for (int i = 0; i < j->n_used; i++)
+        j->chosen[i] = &j->views[j->used[i]];
+    return sheen_vignetting_measure(&c->vignetting, &c->camera, j->chosen, (size_t)j->n_used, err);
+}
+
 static sheen_status run(sheen_calibration *c, sheen_calibrate_job *j, const sheen_progress *progress,
                         sheen_err *err)
 {
@@ -190,6 +197,8 @@ static sheen_status run(sheen_calibration *c, sheen_calibrate_job *j, const shee
         sheen_calibration_bound(c);
         s = sheen_job_cross_validate(c, j, &p, err);
     }
+    if (!s)
+        s = find_vignetting(c, j, err);
     if (!s) {
         sheen_calibration_judge(c);
         s = sheen_progress_step(progress, "calibration", STEPS, STEPS, err);

@@ -11,6 +11,7 @@
 #include "base/progress.h"
 #include "calib/compare.h"
 #include "calib/view.h"
+#include "calib/vignetting.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -105,8 +106,9 @@ typedef struct sheen_calibration {
     int n_region;
     double region_px[SHEEN_REGION_MAX][2];
     double valid_share; // of the image's area
-    bool good;          // meets the limits that the verdict speaks of
-    char verdict[320];  // one sentence: how good, and what to do next
+    sheen_vignetting vignetting;
+    bool good;         // meets the limits that the verdict speaks of
+    char verdict[320]; // one sentence: how good, and what to do next
 } sheen_calibration;
 
 // From views of one board through one camera. EARG: unknown lens model; EDATA: too few usable views, views of

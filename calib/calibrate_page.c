@@ -38,6 +38,18 @@ static size_t stride(const sheen_calibration *c)
     return 1 + (size_t)c->n_corners / MAX_POINTS;
 }
 
+static void write_vignetting(sheen_report *r, const sheen_vignetting *v)
+{
+    if (v->measured)
+        sheen_report_row(
+            r,
+            "light at the edge|%.1f +- %.1f %% of the centre's|%.0f %% of the way to the corners, from the "
+            "board's white in %d frames, if the codes are what their transfer says",
+            100 * v->light, 100 * v->sigma, 100 * v->reach, v->n_frames);
+    else
+        sheen_report_row(r, "light at the edge|not measured|%s", v->reason);
+}
+
 static void write_summary(sheen_report *r, const sheen_calibration *c)
 {
     double worst = 0;
@@ -77,6 +89,7 @@ static void write_summary(sheen_report *r, const sheen_calibration *c)
         sheen_report_row(
             r, "halves of the frames|%.3f px|rms difference of their cameras; %.2f times the predicted one",
             c->halves.moved_rms_px, c->normalised_error);
+    write_vignetting(r, &c->vignetting);
 }
 
 static void write_coverage(sheen_report *r, const sheen_calibration *c)

@@ -60,6 +60,22 @@ static void write_candidates(sheen_json_writer *w, const sheen_calibration *c)
     sheen_json_close(w);
 }
 
+static void write_vignetting(sheen_json_writer *w, const sheen_vignetting *v)
+{
+    sheen_json_open(w, "vignetting", '{');
+    sheen_json_put_bool(w, "measured", v->measured);
+    if (!v->measured)
+        sheen_json_put_string(w, "reason", v->reason);
+    else {
+        sheen_json_put_int(w, "frames", v->n_frames);
+        sheen_json_put_numbers(w, "log_light_by_rho2_rho4", v->k, 2);
+        sheen_json_put_number(w, "reach_rho", v->reach);
+        sheen_json_put_number(w, "light_at_reach", v->light);
+        sheen_json_put_number(w, "sigma", v->sigma);
+    }
+    sheen_json_close(w);
+}
+
 static void write_figures(sheen_json_writer *w, const sheen_calibration *c)
 {
     sheen_json_put_string(w, "verdict", c->verdict);
@@ -96,6 +112,7 @@ static void write_figures(sheen_json_writer *w, const sheen_calibration *c)
         sheen_json_put_number(w, "normalised_error", c->normalised_error);
     }
     write_candidates(w, c);
+    write_vignetting(w, &c->vignetting);
 }
 
 void sheen_calibration_write(sheen_json_writer *w, const sheen_calibration *c)

@@ -108,9 +108,9 @@ static bool grey_at(double *out, const finder *f, const double q_px[2])
 }
 
 // True where the white quadrants are bright and the black ones dark, each pair alike: an object's edge or a
-// highlight across the corner fails.
-static bool looks_printed(const finder *f, const double H[9], const sheen_board_corner *corner,
-                          const double q_px[2])
+// highlight across the corner fails. *white_dn: the white ones' mean.
+static bool looks_printed(double *white_dn, const finder *f, const double H[9],
+                          const sheen_board_corner *corner, const double q_px[2])
 {
     double predicted[2], low[2] = {256, 256}, high[2] = {-1, -1}; // [1]: white
     if (!map_offset(predicted, H, corner->p_board, 0, 0))
@@ -129,6 +129,7 @@ static bool looks_printed(const finder *f, const double H[9], const sheen_board_
             low[white] = fmin(low[white], value);
             high[white] = fmax(high[white], value);
         }
+    *white_dn = (low[1] + high[1]) / 2;
     const double contrast = (low[1] + high[1] - low[0] - high[0]) / 2;
     return contrast > MIN_CONTRAST && low[1] - high[0] > 0.5 * contrast;
 }
@@ -143,19 +144,20 @@ static bool find_one(sheen_saddle *out, symmetry *sym, const finder *f, const sh
                      const double H[9], double gate_px)
 {
     sheen_saddle_polished fine;
-    double q[2], predicted[2];
+    double q[2], predicted[2], white_dn;
     if (!map_offset(predicted, H, corner->p_board, 0, 0))
         return false;
     memcpy(q, predicted, sizeof q);
     const int half = window_half(f, H, corner, q);
     if (!half || sheen_saddle_refine(q, f->grey, f->view->width_px, f->view->height_px, half, NULL))
         return false;
-    if (!looks_printed(f, H, corner, q))
+    if (!looks_printed(&white_dn, f, H, corner, q))
         return false;
     if (!sheen_saddle_polish(&fine, f->grey, f->view->width_px, f->view->height_px, q, half) ||
         hypot(fine.q_px[0] - predicted[0], fine.q_px[1] - predicted[1]) > gate_px)
         return false;
-    *out = (sheen_saddle){.row = corner->row, .col = corner->col, .q_px = {fine.q_px[0], fine.q_px[1]}};
+    *out = (sheen_saddle){
+        .row = corner->row, .col = corner->col, .q_px = {fine.q_px[0], fine.q_px[1]}, .white_dn = white_dn};
     memcpy(out->p_board, corner->p_board, sizeof out->p_board);
     memcpy(out->covariance, fine.covariance, sizeof out->covariance);
     *sym = (symmetry){fine.asymmetry, fine.n_pairs};

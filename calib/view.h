@@ -5,6 +5,8 @@
 
 #include <stddef.h>
 
+#include "base/image.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -24,12 +26,14 @@ typedef struct sheen_saddle {
     double p_board[3]; // metres
     // (xx, xy, yy) of q_px for noise of one grey value a pixel; what it is in pixels the residuals say. 0: not known
     double covariance[3];
+    double white_dn; // mean code of the white beside it; 0: not known
 } sheen_saddle;
 
 typedef struct sheen_board_view {
     char name[64];  // of the frame
     char file[128]; // as seen from the folder of detections/*.vnl; no white space
     int width_px, height_px;
+    sheen_transfer transfer; // of the grey values in which it was seen
     size_t n_tags, n_saddles;
     sheen_tag_seen *tags;  // by id
     sheen_saddle *saddles; // row by row

@@ -66,6 +66,8 @@ static sheen_status observe(sheen_board_view *views, const reader *r, size_t i, 
     if (s)
         goto done;
     s = sheen_boards_observe(views, detector, grey, raster.width_px, raster.height_px, boards, err);
+    for (size_t b = 0; b < boards->n_boards && !s; b++) // linear light was coded for the eye
+        views[b].transfer = transfer == SHEEN_TRANSFER_LINEAR ? SHEEN_TRANSFER_SRGB : transfer;
     if (!s && r->options->look)
         s = r->options->look(r->options->self, views, grey, err);
 

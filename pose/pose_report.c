@@ -131,7 +131,8 @@ static void plots(sheen_report *r, const sheen_poses *poses, const figures *f, d
     sheen_plot by_frame = {.title = "reprojection error by frame",
                            .x_label = "frame",
                            .y_label = "px",
-                           .x_max = fmax(1, (double)poses->n_poses - 1),
+                           .x_min = -0.5,
+                           .x_max = fmax(1, (double)poses->n_poses - 0.5),
                            .y_max = fmax(1e-3, 1.1 * f->rms_max_px)};
     sheen_plot_begin(r, &by_frame);
     sheen_plot_points(r, &by_frame, errors, n, NULL, 2.5);
