@@ -22,19 +22,21 @@ done
 "$with_camera" recorded "node=42;rate=4" "$sheen" calibrate live --live --device 'v4l2:/dev/video42?lock=off' \
     --board "$data/calibration-board.json" --accuracy-px 0.12 >said 2>&1
 code=$?
-[ $code = 0 ] || complain "exit code $code"
+[ "$code" = 0 ] || complain "exit code $code"
 grep -q '^hold the board in the middle' said || complain "no first advice"
 grep -q '^tilt the board' said || complain "no advice on tilts"
 grep -q ': enough$' said || complain "it did not stop by itself"
 n=$(find live/frames -name '*.jpg' | wc -l)
-[ "$n" -ge 5 ] && [ "$n" -le 16 ] || complain "$n frames were taken"
+if [ "$n" -lt 5 ] || [ "$n" -gt 16 ]; then
+    complain "$n frames were taken"
+fi
 grep -qa 'taken by' live/camera.cameramodel || complain "the calibration does not name its camera"
 
 # a camera that is pulled out is a sentence, and what was taken stays
 "$with_camera" recorded "node=42;rate=4;unplug_at=14" "$sheen" calibrate pulled --live \
     --device 'v4l2:/dev/video42?lock=off' --board "$data/calibration-board.json" --accuracy-px 0.12 >said 2>&1
 code=$?
-[ $code = 1 ] || complain "exit code $code where the camera was pulled out"
+[ "$code" = 1 ] || complain "exit code $code where the camera was pulled out"
 grep -q '^sheen: ' said || complain "nothing said about the camera"
 [ -d pulled/frames ] || complain "what was taken is lost"
 exit $bad
