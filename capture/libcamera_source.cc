@@ -1,32 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 // libcamera_source.cc - libcamera:N or libcamera:ID, a camera of libcamera as a source; the one file that includes it.
 //
-// Requests with a buffer each go round: queued, finished by libcamera's thread, handed over, copied, and queued again
-// with the settings of the lock (libcamera_lock.h), which judges each by its metadata. A camera that is unplugged just
-// stalls: its `disconnected` signal ends the waiting; it is found again by its id, and locked and proven anew. Written for the interface of 0.0.3; what is different in newer ones
-// is in the block below.
+// Requests with a buffer each go round: queued, finished by libcamera's thread, handed over (libcamera_inbox.h), copied,
+// judged by their metadata (libcamera_frames.h), and queued again with the settings of the lock (libcamera_lock.h). A
+// camera that is unplugged just stalls: its `disconnected` signal ends the waiting; it is found again by its id, and locked
+// and proven anew. Written for the interface of 0.0.3; what is different in newer ones is in the block below.
 #include "capture/libcamera_source.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <deque>
 #include <exception>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
-#include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/mman.h>
-#include <time.h>
-#include <unistd.h>
 
 #include <linux/videodev2.h>
 
@@ -39,10 +32,11 @@
 #include <libcamera/property_ids.h>
 #include <libcamera/request.h>
 
-#include "capture/libcamera_lock.h"
+#include "base/clock.h"
+#include "capture/libcamera_frames.h"
+#include "capture/libcamera_inbox.h"
 #include "capture/source_backend.h"
 #include "capture/v4l2_options.h"
-#include "capture/v4l2_stream.h"
 
 namespace lc = libcamera;
 namespace formats = libcamera::formats;
@@ -125,40 +119,20 @@ struct camera {
     std::unique_ptr<lc::FrameBufferAllocator> buffers;
     std::vector<std::unique_ptr<lc::Request>> requests;
     std::map<int, mapping> mappings; // by file
-    bool acquired = false, started = false, begun = false;
-    sheen_libcamera_lock lock{};
-    sheen_frame_info info{};      // of every frame
+    bool acquired = false, started = false;
+    sheen_libcamera_frames frames{};
     std::vector<uint8_t> payload; // lent
-    int64_t last_sequence = 0;
-    size_t needed_bytes = 0; // of a raw frame
-    sheen_source_counts counts{};
-    int wake_fd = -1; // counts what happened: a request is finished, unplugged, stopped
-    std::mutex mutex; // of what libcamera's thread touches:
-    std::deque<lc::Request *> done;
-    bool gone = false;
-    std::atomic<bool> stopped{false}; // set from anywhere
-
-    void wake() const
-    {
-        const uint64_t one = 1;
-        if (write(wake_fd, &one, sizeof one) < 0)
-            return; // it is awake already
-    }
+    sheen_libcamera_inbox *inbox = nullptr;
 
     void on_completed(lc::Request *request)
     {
-        const std::lock_guard<std::mutex> hold(mutex);
-        if (request->status() == lc::Request::RequestCancelled)
-            return;
-        done.push_back(request);
-        wake();
+        if (request->status() != lc::Request::RequestCancelled)
+            sheen_libcamera_inbox_put(inbox, request);
     }
 
     void on_disconnected()
     {
-        const std::lock_guard<std::mutex> hold(mutex);
-        gone = true;
-        wake();
+        sheen_libcamera_inbox_unplug(inbox);
     }
 
     camera() = default;
@@ -184,9 +158,8 @@ struct camera {
         configuration.reset();
         device.reset();
         acquired = started = false;
-        const std::lock_guard<std::mutex> hold(mutex);
-        done.clear();
-        gone = false;
+        if (inbox)
+            sheen_libcamera_inbox_clear(inbox);
     }
 
     ~camera()
@@ -194,17 +167,9 @@ struct camera {
         let_go();
         if (manager)
             manager->stop();
-        if (wake_fd >= 0)
-            close(wake_fd);
+        sheen_libcamera_inbox_close(&inbox);
     }
 };
-
-int64_t now_ns()
-{
-    timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return int64_t(t.tv_sec) * 1000000000 + t.tv_nsec;
-}
 
 sheen_status start_manager(std::unique_ptr<lc::CameraManager> &manager, sheen_err *err)
 {
@@ -258,39 +223,6 @@ sheen_status fail_format(const camera &c, const lc::StreamConfiguration &got, sh
                       got.toString().c_str());
 }
 
-sheen_status configure(camera &c, sheen_err *err)
-{
-    const format_name *wanted = find_ours(c.options.fourcc);
-    if (c.options.fourcc && !wanted)
-        return sheen_fail(err, SHEEN_EUNSUP, "that format is none of those that sheen takes from libcamera");
-    const roles one = {wanted && wanted->raw ? lc::StreamRole::Raw : lc::StreamRole::VideoRecording};
-    c.configuration = c.device->generateConfiguration(one);
-    if (!c.configuration || c.configuration->empty())
-        return sheen_fail(err, SHEEN_EUNSUP, "'%.80s' gives no %s through libcamera", c.name.c_str(),
-                          wanted && wanted->raw ? "raw frames" : "pictures");
-    lc::StreamConfiguration &stream = c.configuration->at(0);
-    if (wanted)
-        stream.pixelFormat = wanted->theirs;
-    if (c.options.width_px)
-        stream.size = lc::Size(unsigned(c.options.width_px), unsigned(c.options.height_px));
-    stream.bufferCount = 4;
-    if (c.configuration->validate() == lc::CameraConfiguration::Invalid)
-        return fail_format(c, stream, err);
-    const format_name *got = find_theirs(stream.pixelFormat);
-    if (!got || (wanted && got != wanted) ||
-        (c.options.width_px &&
-         stream.size != lc::Size(unsigned(c.options.width_px), unsigned(c.options.height_px))))
-        return fail_format(c, stream, err);
-    if (c.device->configure(c.configuration.get()))
-        return sheen_fail(err, SHEEN_EIO, "'%.80s' cannot be configured", c.name.c_str());
-    c.lock.is_raw = got->raw;
-    c.info.fourcc = got->ours == V4L2_PIX_FMT_MJPEG ? 0 : got->ours;
-    c.info.width_px = int(stream.size.width);
-    c.info.height_px = int(stream.size.height);
-    c.info.stride_bytes = c.info.fourcc ? int(stream.stride) : 0;
-    return SHEEN_OK;
-}
-
 // In V4L2's numbers, as far as libcamera says it.
 sheen_colorimetry colorimetry_of(const lc::StreamConfiguration &stream)
 {
@@ -316,27 +248,47 @@ sheen_colorimetry colorimetry_of(const lc::StreamConfiguration &stream)
     return c;
 }
 
+sheen_status configure(camera &c, sheen_err *err)
+{
+    const format_name *wanted = find_ours(c.options.fourcc);
+    if (c.options.fourcc && !wanted)
+        return sheen_fail(err, SHEEN_EUNSUP, "that format is none of those that sheen takes from libcamera");
+    const roles one = {wanted && wanted->raw ? lc::StreamRole::Raw : lc::StreamRole::VideoRecording};
+    c.configuration = c.device->generateConfiguration(one);
+    if (!c.configuration || c.configuration->empty())
+        return sheen_fail(err, SHEEN_EUNSUP, "'%.80s' gives no %s through libcamera", c.name.c_str(),
+                          wanted && wanted->raw ? "raw frames" : "pictures");
+    lc::StreamConfiguration &stream = c.configuration->at(0);
+    if (wanted)
+        stream.pixelFormat = wanted->theirs;
+    if (c.options.width_px)
+        stream.size = lc::Size(unsigned(c.options.width_px), unsigned(c.options.height_px));
+    stream.bufferCount = 4;
+    if (c.configuration->validate() == lc::CameraConfiguration::Invalid)
+        return fail_format(c, stream, err);
+    const format_name *got = find_theirs(stream.pixelFormat);
+    if (!got || (wanted && got != wanted) ||
+        (c.options.width_px &&
+         stream.size != lc::Size(unsigned(c.options.width_px), unsigned(c.options.height_px))))
+        return fail_format(c, stream, err);
+    if (c.device->configure(c.configuration.get()))
+        return sheen_fail(err, SHEEN_EIO, "'%.80s' cannot be configured", c.name.c_str());
+    c.frames.lock.is_raw = got->raw;
+    sheen_frame_info &info = c.frames.info;
+    info.fourcc = got->ours == V4L2_PIX_FMT_MJPEG ? 0 : got->ours;
+    info.width_px = int(stream.size.width);
+    info.height_px = int(stream.size.height);
+    info.stride_bytes = info.fourcc ? int(stream.stride) : 0;
+    info.color = colorimetry_of(stream);
+    sheen_v4l2_options_color(&info.color, &c.options);
+    return SHEEN_OK;
+}
+
 sheen_status describe(camera &c, sheen_err *err)
 {
-    const lc::StreamConfiguration &stream = c.configuration->at(0);
-    c.info.color = colorimetry_of(stream);
-    if (c.info.fourcc) {
-        const sheen_pixel_layout layout = {c.info.fourcc, c.info.width_px, c.info.height_px,
-                                           c.info.stride_bytes, c.info.color};
-        c.needed_bytes = sheen_pixels_size(&layout);
-        if (!c.needed_bytes)
-            return sheen_fail(err, SHEEN_EIO, "'%.80s' claims %.80s: that cannot be", c.name.c_str(),
-                              stream.toString().c_str());
-    }
-    c.info.lock = c.options.lock ? SHEEN_LOCK_HELD : SHEEN_LOCK_OFF;
-    snprintf(c.info.source, sizeof c.info.source, "libcamera:%.200s", c.device->id().c_str());
-    snprintf(c.info.device, sizeof c.info.device, "%.60s (%.60s)", c.name.c_str(), c.device->id().c_str());
-    if (c.options.set_transfer) {
-        c.info.transfer = c.options.transfer;
-        return SHEEN_OK;
-    }
-    return sheen_pixels_transfer(&c.info.transfer, c.info.fourcc ? c.info.fourcc : V4L2_PIX_FMT_MJPEG,
-                                 &c.info.color, err);
+    const std::string claim = c.configuration->at(0).toString();
+    return sheen_libcamera_frames_describe(&c.frames, c.name.c_str(), c.id.c_str(), claim.c_str(),
+                                           c.options.set_transfer ? &c.options.transfer : nullptr, err);
 }
 
 // Planes of one buffer may share a file: each file is mapped once, as far as its planes reach.
@@ -369,24 +321,26 @@ bool has(const lc::ControlInfoMap &can, const lc::ControlId &control)
 void ask(const camera &c, lc::ControlList &list)
 {
     const lc::ControlInfoMap &can = c.device->controls();
-    if (!c.options.lock || c.lock.phase == SHEEN_LIBCAMERA_WARM_UP)
+    if (!c.frames.locked || c.frames.lock.phase == SHEEN_LIBCAMERA_WARM_UP)
         return;
     if (has(can, controls::AeEnable))
         list.set(controls::AeEnable, false);
-    list.set(controls::ExposureTime, int32_t(std::lround(c.lock.want.exposure_us)));
-    list.set(controls::AnalogueGain, float(c.lock.want.analogue_gain));
-    if (c.lock.is_raw)
+    list.set(controls::ExposureTime, int32_t(std::lround(c.frames.lock.want.exposure_us)));
+    list.set(controls::AnalogueGain, float(c.frames.lock.want.analogue_gain));
+    if (c.frames.lock.is_raw)
         return;
     if (has(can, controls::AwbEnable))
         list.set(controls::AwbEnable, false);
-    list.set(controls::ColourGains, {float(c.lock.want.red_gain), float(c.lock.want.blue_gain)});
+    list.set(controls::ColourGains,
+             {float(c.frames.lock.want.red_gain), float(c.frames.lock.want.blue_gain)});
 }
 
 sheen_status start(camera &c, sheen_err *err)
 {
     lc::Stream *stream = c.configuration->at(0).stream();
     c.buffers = std::make_unique<lc::FrameBufferAllocator>(c.device);
-    if (c.buffers->allocate(stream) <= 0)
+    const int n_buffers = c.buffers->allocate(stream);
+    if (n_buffers <= 0 || n_buffers > SHEEN_LIBCAMERA_MAX_REQUESTS)
         return sheen_fail(err, SHEEN_ENOMEM, "'%.80s' has no memory for its frames: ask for a smaller size",
                           c.name.c_str());
     const sheen_status s = map_buffers(c, err);
@@ -422,7 +376,8 @@ sheen_status begin_lock(camera &c, sheen_err *err)
     const lc::ControlInfoMap &can = c.device->controls();
     const sheen_libcamera_abilities abilities = {
         has(can, controls::ExposureTime), has(can, controls::AnalogueGain), has(can, controls::ColourGains)};
-    return c.options.lock ? sheen_libcamera_lock_begin(&c.lock, &abilities, c.name.c_str(), err) : SHEEN_OK;
+    return c.frames.locked ? sheen_libcamera_lock_begin(&c.frames.lock, &abilities, c.name.c_str(), err)
+                           : SHEEN_OK;
 }
 
 // The device that was found, until it streams.
@@ -438,17 +393,17 @@ sheen_status make_ready(camera &c, sheen_err *err)
 
 sheen_status open_camera(camera &c, const char *rest, sheen_err *err)
 {
-    sheen_frame_info_init(&c.info);
-    c.wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    if (c.wake_fd < 0)
-        return sheen_fail(err, SHEEN_EIO, "no file descriptor is left: close other programs");
-    sheen_status s = sheen_v4l2_options_parse(&c.options, rest, err);
+    sheen_frame_info_init(&c.frames.info);
+    sheen_status s = sheen_libcamera_inbox_open(&c.inbox, err);
+    if (!s)
+        s = sheen_v4l2_options_parse(&c.options, rest, err);
     if (!s)
         s = start_manager(c.manager, err);
     if (!s)
         s = find_device(c, err);
-    c.lock.exposure_s = c.options.exposure_s;
-    c.lock.mains_hz = c.options.mains_hz;
+    c.frames.locked = c.options.lock;
+    c.frames.lock.exposure_s = c.options.exposure_s;
+    c.frames.lock.mains_hz = c.options.mains_hz;
     return s ? s : make_ready(c, err);
 }
 
@@ -471,8 +426,8 @@ sheen_frame_pipeline read_metadata(metadata says)
     return p;
 }
 
-// The frame's bytes, plane after plane. False: fewer than a frame has, or a JPEG without its end.
-bool copy_payload(camera &c, const lc::FrameBuffer &buffer)
+// The frame's bytes, plane after plane.
+void copy_payload(camera &c, const lc::FrameBuffer &buffer)
 {
     c.payload.clear();
     const auto &planes = buffer.planes();
@@ -483,16 +438,6 @@ bool copy_payload(camera &c, const lc::FrameBuffer &buffer)
         const size_t used = std::min<size_t>(buffer.metadata().planes()[i].bytesused, planes[i].length);
         c.payload.insert(c.payload.end(), m.at + offset, m.at + offset + used);
     }
-    return c.info.fourcc ? c.payload.size() >= c.needed_bytes
-                         : sheen_v4l2_jpeg_whole(c.payload.data(), c.payload.size());
-}
-
-void count_gap(camera &c, int64_t sequence)
-{
-    if (c.begun && sequence > c.last_sequence + 1)
-        c.counts.n_dropped += sequence - c.last_sequence - 1;
-    c.begun = true;
-    c.last_sequence = sequence;
 }
 
 // A finished request: *keep says whether its frame may be used.
@@ -501,81 +446,25 @@ sheen_status take(camera &c, lc::Request &request, sheen_frame *frame, bool *kee
     const lc::FrameBuffer &buffer = *request.buffers().begin()->second;
     const lc::FrameMetadata &m = buffer.metadata();
     *keep = false;
-    if (c.begun && m.sequence <= c.last_sequence) {
-        c.counts.n_late++;
+    if (!sheen_libcamera_frames_turn(&c.frames, m.sequence, m.status == lc::FrameMetadata::FrameSuccess))
         return SHEEN_OK;
-    }
-    count_gap(c, m.sequence);
-    if (m.status != lc::FrameMetadata::FrameSuccess) {
-        c.counts.n_flagged++;
-        return SHEEN_OK;
-    }
-    if (!copy_payload(c, buffer)) {
-        c.counts.n_short++;
-        return SHEEN_OK;
-    }
-    frame->info = c.info;
-    frame->info.sequence = m.sequence;
-    frame->info.pipeline = read_metadata(request.metadata());
+    copy_payload(c, buffer);
+    const sheen_frame_pipeline says = read_metadata(request.metadata());
     const auto stamp = request.metadata().get(controls::SensorTimestamp);
-    frame->info.t_ns = stamp ? *stamp : int64_t(m.timestamp);
-    *keep = true;
-    if (c.options.lock) {
-        const bool was_held = c.lock.phase == SHEEN_LIBCAMERA_HELD;
-        const sheen_status s = sheen_libcamera_lock_frame(keep, &c.lock, &frame->info.pipeline,
-                                                          c.name.c_str(), err);
-        if (s)
-            return s;
-        c.counts.n_unlocked += was_held && !*keep;
-    }
-    frame->extension = c.info.fourcc ? "raw" : "jpg";
-    frame->data = c.payload.data();
-    frame->size_bytes = c.payload.size();
-    c.counts.n_frames += *keep;
-    return SHEEN_OK;
-}
-
-// The next finished request, or why there is none. ETIMEOUT: until the deadline.
-sheen_status wait_for_request(camera &c, int64_t deadline_ns, lc::Request **request, sheen_err *err)
-{
-    for (;;) {
-        uint64_t n;
-        {
-            const std::lock_guard<std::mutex> hold(c.mutex);
-            if (c.stopped)
-                return sheen_fail(err, SHEEN_ECANCEL, "the camera was stopped");
-            if (!c.done.empty()) {
-                *request = c.done.front();
-                c.done.pop_front();
-                return SHEEN_OK;
-            }
-            if (c.gone)
-                return sheen_fail(
-                    err, SHEEN_ENODEV,
-                    "cannot get a frame from '%.80s': the camera is gone; plug it in and give the same "
-                    "command again",
-                    c.name.c_str());
-        }
-        const int64_t left_ns = deadline_ns - now_ns();
-        if (left_ns <= 0)
-            return sheen_fail(err, SHEEN_ETIMEOUT, "no frame came from '%.80s' in time: look at its cable",
-                              c.name.c_str());
-        pollfd wait = {c.wake_fd, POLLIN, 0};
-        const int64_t left_ms = left_ns / 1000000 + 1;
-        if (poll(&wait, 1, int(std::min<int64_t>(left_ms, 60000))) > 0 && read(c.wake_fd, &n, sizeof n) < 0)
-            continue;
-    }
+    return sheen_libcamera_frames_judge(keep, frame, &c.frames, &says, stamp ? *stamp : int64_t(m.timestamp),
+                                        c.payload.data(), c.payload.size(), c.name.c_str(), err);
 }
 
 sheen_status next_frame(camera &c, int timeout_ms, sheen_frame *frame, sheen_err *err)
 {
-    const int64_t deadline_ns = now_ns() + int64_t(timeout_ms) * 1000000;
+    const int64_t deadline_ns = sheen_clock_ns() + int64_t(timeout_ms) * 1000000;
     for (;;) {
-        lc::Request *request = nullptr;
+        void *finished = nullptr;
         bool keep;
-        sheen_status s = wait_for_request(c, deadline_ns, &request, err);
+        sheen_status s = sheen_libcamera_inbox_take(c.inbox, deadline_ns, c.name.c_str(), &finished, err);
         if (s)
             return s;
+        lc::Request *request = static_cast<lc::Request *>(finished);
         s = take(c, *request, frame, &keep, err);
         if (s)
             return s;
@@ -585,7 +474,7 @@ sheen_status next_frame(camera &c, int timeout_ms, sheen_frame *frame, sheen_err
                             0; // not where it was unplugged: the signal tells
         if (keep)
             return SHEEN_OK;
-        if (!queued && now_ns() >= deadline_ns)
+        if (!queued && sheen_clock_ns() >= deadline_ns)
             return sheen_fail(err, SHEEN_EIO, "'%.80s' takes no requests any more", c.name.c_str());
     }
 }
@@ -619,13 +508,10 @@ sheen_status restart(camera &c, sheen_err *err)
     if (!c.started || c.device->stop())
         return sheen_fail(err, SHEEN_EIO, "'%.80s' does not stop", c.name.c_str());
     c.started = false;
-    {
-        const std::lock_guard<std::mutex> hold(c.mutex);
-        if (c.gone)
-            return sheen_fail(err, SHEEN_ENODEV, "'%.80s' is gone", c.name.c_str());
-        c.done.clear();
-    }
-    c.begun = false; // it counts its frames from 0 again
+    if (sheen_libcamera_inbox_is_unplugged(c.inbox))
+        return sheen_fail(err, SHEEN_ENODEV, "'%.80s' is gone", c.name.c_str());
+    sheen_libcamera_inbox_clear(c.inbox);
+    c.frames.begun = false; // it counts its frames from 0 again
     const sheen_status s = begin_lock(c, err);
     if (s)
         return s;
@@ -643,13 +529,13 @@ sheen_status restart(camera &c, sheen_err *err)
 
 sheen_status reopen(camera &c, sheen_err *err)
 {
-    const sheen_colorimetry color = c.info.color;
+    const sheen_colorimetry color = c.frames.info.color;
     c.let_go();
-    c.begun = false;
+    c.frames.begun = false;
     sheen_status s = find_device(c, err);
     if (!s)
         s = make_ready(c, err);
-    if (!s && memcmp(&color, &c.info.color, sizeof color) != 0)
+    if (!s && memcmp(&color, &c.frames.info.color, sizeof color) != 0)
         s = sheen_fail(err, SHEEN_EIO, "'%.80s' came back with other colours: begin a new session",
                        c.name.c_str());
     return s;
@@ -669,8 +555,7 @@ bool await(camera &c, int timeout_ms)
     for (const auto &device : c.manager->cameras())
         if (device->id() == c.id)
             return true;
-    pollfd wait = {c.wake_fd, POLLIN, 0};
-    poll(&wait, 1, timeout_ms);
+    sheen_libcamera_inbox_sleep(c.inbox, timeout_ms);
     return false;
 }
 
@@ -691,14 +576,12 @@ try {
 // Also called from a signal handler: a flag and a write.
 void backend_stop(void *self)
 {
-    camera *c = static_cast<camera *>(self);
-    c->stopped = true;
-    c->wake();
+    sheen_libcamera_inbox_stop(static_cast<camera *>(self)->inbox);
 }
 
 void backend_counters(sheen_source_counts *out, const void *self)
 {
-    *out = static_cast<const camera *>(self)->counts;
+    *out = static_cast<const camera *>(self)->frames.counts;
 }
 
 void backend_close(void *self)

@@ -218,11 +218,6 @@ sheen_status sheen_v4l2_camera_configure(sheen_v4l2_format *f, const sheen_v4l2_
     sheen_status s = set_format(&pix, o, io, fd, err);
     if (!s)
         s = check_sizes(f, &pix, o->path, err);
-    if (o->colorspace) // its own defaults then hold for what is not said
-        f->color = (sheen_colorimetry){.colorspace = o->colorspace};
-    if (o->ycbcr_enc) // the person knows better than the driver
-        f->color.ycbcr_enc = o->ycbcr_enc;
-    if (o->quantization)
-        f->color.quantization = o->quantization;
+    sheen_v4l2_options_color(&f->color, o);
     return s ? s : set_rate(f, o, io, fd, err);
 }

@@ -150,3 +150,13 @@ sheen_status sheen_v4l2_options_parse(sheen_v4l2_options *o, const char *rest, s
     o->path[n] = 0;
     return rest[n] ? parse_query(o, rest + n + 1, err) : SHEEN_OK;
 }
+
+void sheen_v4l2_options_color(sheen_colorimetry *claim, const sheen_v4l2_options *o)
+{
+    if (o->colorspace) // its own defaults then hold for what is not said
+        *claim = (sheen_colorimetry){.colorspace = o->colorspace};
+    if (o->ycbcr_enc) // the person knows better than the driver
+        claim->ycbcr_enc = o->ycbcr_enc;
+    if (o->quantization)
+        claim->quantization = o->quantization;
+}

@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/image.h"
+#include "base/pixel_format.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -30,6 +31,8 @@ typedef struct sheen_v4l2_options {
 // "/dev/video0?format=MJPG&size=1280x720&rate=30&exposure_ms=20&mains=60&lock=off&transfer=srgb&matrix=601&range=full".
 // EARG.
 sheen_status sheen_v4l2_options_parse(sheen_v4l2_options *o, const char *rest, sheen_err *err);
+// What the camera claims of its colours, corrected by what the options say of it.
+void sheen_v4l2_options_color(sheen_colorimetry *claim, const sheen_v4l2_options *o);
 
 #ifdef __cplusplus
 }
