@@ -29,6 +29,17 @@ SHEEN_KERNEL_INLINE float sheen_mad(float a, float b, float c, int fused)
     return fused ? __builtin_fmaf(a, b, c) : a * b + c;
 }
 
+// sum + a * b, where `sum` is what a vectorised loop adds up: clang does not take a fused one for a sum.
+SHEEN_KERNEL_INLINE float sheen_add_product(float sum, float a, float b, int fused)
+{
+#ifdef __clang__
+    (void)fused;
+    return sum + a * b;
+#else
+    return sheen_mad(a, b, sum, fused);
+#endif
+}
+
 // alpha^2 = acos(1 - x)^2 for x in 0..1.
 SHEEN_KERNEL_INLINE float sheen_alpha2_of(float x, int fused)
 {
@@ -150,8 +161,8 @@ SHEEN_KERNEL_INLINE float sheen_lobe_sum_narrow(const sheen_lights *lights, cons
                     uz = sheen_mad(-d, nz, lz + vz, fused);
         const float u2 = sheen_mad(ux, ux, sheen_mad(uy, uy, uz * uz, fused), fused);
         const float y = u2 / sheen_mad(d, d, u2, fused);
-        sum = sheen_mad(sheen_if_positive(n_dot_l, weight[i]),
-                        sheen_exp2_minus(sheen_sine2_alpha2(y, per_alpha2, fused), fused), sum, fused);
+        sum = sheen_add_product(sum, sheen_if_positive(n_dot_l, weight[i]),
+                                sheen_exp2_minus(sheen_sine2_alpha2(y, per_alpha2, fused), fused), fused);
     }
     return sum;
 }
