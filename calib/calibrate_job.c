@@ -148,7 +148,7 @@ sheen_status sheen_job_solve_from(sheen_problem *p, const sheen_calibrate_job *j
     p->camera = whole->camera;
     memcpy(p->warp_m, whole->warp_m, sizeof p->warp_m);
     for (int i = 0; i < p->n_frames; i++) {
-        const size_t from = (size_t)(first + i * step);
+        const size_t from = (size_t)first + (size_t)i * (size_t)step;
         memcpy(p->rt_cam_grid + 6 * (size_t)i, whole->rt_cam_grid + 6 * from, 6 * sizeof *p->rt_cam_grid);
         memcpy(p->observations + 3 * n * (size_t)i, whole->observations + 3 * n * from,
                3 * n * sizeof *p->observations);

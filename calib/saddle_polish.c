@@ -59,7 +59,7 @@ static bool window_read(window *w, const uint8_t *grey, int width_px, int height
         return false;
     lagrange_taps(w->tap_x, q_px[0] - floor(q_px[0]));
     lagrange_taps(w->tap_y, q_px[1] - floor(q_px[1]));
-    double row[MAX_PIXELS][MAX_SAMPLES]; // between the pixels of a row
+    double row[MAX_PIXELS][MAX_SAMPLES] = {{0}}; // between the pixels of a row
     for (int j = 0; j < w->n_pixels; j++) {
         const uint8_t *p = grey + (size_t)(y0 + j) * (size_t)width_px + (size_t)x0;
         for (int i = 0; i < w->n_samples; i++) {

@@ -204,8 +204,8 @@ sheen_status sheen_saddles_find(sheen_board_view *view, const uint8_t *grey, con
     view->saddles = calloc(board->n_corners, sizeof *view->saddles);
     if (!view->saddles)
         return sheen_fail_memory(err, (double)board->n_corners * sizeof *view->saddles, "corners");
-    symmetry *sym = malloc((board->n_corners + 1) * sizeof *sym);
-    double *scratch = malloc((board->n_corners + 1) * sizeof *scratch);
+    symmetry *sym = calloc(board->n_corners + 1, sizeof *sym);
+    double *scratch = calloc(board->n_corners + 1, sizeof *scratch);
     if (!sym || !scratch) {
         free(sym);
         free(scratch);

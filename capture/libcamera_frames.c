@@ -52,16 +52,16 @@ static bool is_whole(const sheen_libcamera_frames *f, const uint8_t *data, size_
 }
 
 sheen_status sheen_libcamera_frames_judge(bool *keep, sheen_frame *frame, sheen_libcamera_frames *f,
-                                          const sheen_frame_pipeline *says, int64_t t_ns, const uint8_t *data,
-                                          size_t size_bytes, const char *name, sheen_err *err)
+                                          const sheen_frame_pipeline *says, const char *name, sheen_err *err)
 {
-    *keep = is_whole(f, data, size_bytes);
+    const int64_t t_ns = frame->info.t_ns;
+    *keep = is_whole(f, frame->data, frame->size_bytes);
     if (!*keep) {
         f->counts.n_short++;
         return SHEEN_OK;
     }
-    *frame = (sheen_frame){
-        .info = f->info, .extension = f->info.fourcc ? "raw" : "jpg", .data = data, .size_bytes = size_bytes};
+    frame->info = f->info;
+    frame->extension = f->info.fourcc ? "raw" : "jpg";
     frame->info.sequence = f->last_sequence;
     frame->info.pipeline = *says;
     frame->info.t_ns = t_ns;

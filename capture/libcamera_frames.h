@@ -28,11 +28,10 @@ sheen_status sheen_libcamera_frames_describe(sheen_libcamera_frames *f, const ch
                                              sheen_err *err);
 // A finished request's number: true where its frame has its turn and is whole, as far as libcamera says.
 bool sheen_libcamera_frames_turn(sheen_libcamera_frames *f, int64_t sequence, bool success);
-// The payload of a frame that had its turn, and what the pipeline says of it: *keep, and *frame as it is handed over
-// (data lent as given). EUNSUP, EDATA: of the lock.
+// A frame that had its turn, and what the pipeline says of it. *frame comes with data (lent), size_bytes and info.t_ns; where
+// it is kept the rest is filled in as it is handed over. EUNSUP, EDATA: of the lock.
 sheen_status sheen_libcamera_frames_judge(bool *keep, sheen_frame *frame, sheen_libcamera_frames *f,
-                                          const sheen_frame_pipeline *says, int64_t t_ns, const uint8_t *data,
-                                          size_t size_bytes, const char *name, sheen_err *err);
+                                          const sheen_frame_pipeline *says, const char *name, sheen_err *err);
 
 #ifdef __cplusplus
 }

@@ -451,8 +451,11 @@ sheen_status take(camera &c, lc::Request &request, sheen_frame *frame, bool *kee
     copy_payload(c, buffer);
     const sheen_frame_pipeline says = read_metadata(request.metadata());
     const auto stamp = request.metadata().get(controls::SensorTimestamp);
-    return sheen_libcamera_frames_judge(keep, frame, &c.frames, &says, stamp ? *stamp : int64_t(m.timestamp),
-                                        c.payload.data(), c.payload.size(), c.name.c_str(), err);
+    *frame = sheen_frame{};
+    frame->data = c.payload.data();
+    frame->size_bytes = c.payload.size();
+    frame->info.t_ns = stamp ? *stamp : int64_t(m.timestamp);
+    return sheen_libcamera_frames_judge(keep, frame, &c.frames, &says, c.name.c_str(), err);
 }
 
 sheen_status next_frame(camera &c, int timeout_ms, sheen_frame *frame, sheen_err *err)

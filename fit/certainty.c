@@ -298,10 +298,10 @@ static void invert(sheen_certainty *c, work *w)
     const size_t N = w->n_parameters;
     const sheen_gloss *g = &w->m->gloss;
     double *inverse = malloc(N * N * sizeof *inverse), variance[MOST], of_k_s = (double)NAN;
-    for (size_t a = 0; a < N; a++) {
+    for (size_t a = 0; a < N; a++)
         w->A[a * (N + 1)] += 1e-6; // nothing at all is known of a lamp that no pixel shows
+    for (size_t a = 0; a < MOST; a++)
         variance[a] = (double)NAN;
-    }
     if (inverse && sheen_cholesky(w->A, (int)N)) {
         sheen_cholesky_invert(inverse, w->A, (int)N);
         find_variances(variance, &of_k_s, w, inverse);

@@ -377,6 +377,7 @@ void sheen_diffuse_fit(sheen_texture *texture, float *deviation, const sheen_sur
                        const sheen_texel_view *views, const sheen_view_light *lights, size_t n_views,
                        int n_threads)
 {
-    job j = {texture, deviation, surroundings, views, lights, n_views};
+    job j = {texture, NULL, surroundings, views, lights, n_views};
+    j.deviation = deviation;
     sheen_parallel_for(n_views ? views[0].n_texels : 0, 4096, n_threads, fit_texels, &j);
 }

@@ -19,7 +19,7 @@ void sheen_lamp_proof_release(sheen_lamp_proof *p)
 // Weighted median of d.
 static double median_of(const double *d, const double *weight, size_t n)
 {
-    uint8_t order[MOST_VIEWS];
+    uint8_t order[MOST_VIEWS] = {0};
     double total = 0, below = 0;
     for (size_t i = 0; i < n; i++) {
         size_t k = i;

@@ -129,7 +129,7 @@ sheen_status sheen_lamp_proof_take(sheen_lamp_proof *out, const sheen_refined_st
         room += n > 1 && i_seen++ % step == 0 ? n : 0;
     }
     out->first = malloc((n_seen / step + 2) * sizeof *out->first);
-    out->samples.at = malloc(room * sizeof *out->samples.at);
+    out->samples.at = calloc(room + 1, sizeof *out->samples.at);
     if (!out->first || !out->samples.at) {
         sheen_lamp_proof_release(out);
         return sheen_fail_memory(err, (double)(room * sizeof *out->samples.at), "samples of texels");

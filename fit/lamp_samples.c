@@ -68,7 +68,9 @@ static sheen_status sums_make(sums *out, const sheen_residual *r, sheen_err *err
         y0 = p->y_px < y0 ? p->y_px : y0;
         y1 = p->y_px > y1 ? p->y_px : y1;
     }
-    const size_t width = (size_t)(x1 - x0 + 2), height = (size_t)(y1 - y0 + 2);
+    if (!r->count)
+        x0 = y0 = 0;
+    const size_t width = (size_t)x1 + 2 - (size_t)x0, height = (size_t)y1 + 2 - (size_t)y0;
     *out = (sums){x0, y0, width, height, calloc(2 * width * height, sizeof *out->at)};
     if (!out->at)
         return sheen_fail_memory(err, 16.0 * (double)(width * height), "a residual image");

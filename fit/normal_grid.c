@@ -138,7 +138,7 @@ sheen_status sheen_normal_grid_init(sheen_normal_grid *g, const sheen_mesh *mesh
         return sheen_fail(err, SHEEN_EARG, "%zu triangles of %zu texels are too many for a normal map",
                           n_triangles, per_triangle);
     side *sides = malloc(3 * n_triangles * sizeof *sides);
-    g->node = malloc(n_triangles * per_triangle * sizeof *g->node);
+    g->node = calloc(n_triangles * per_triangle + 1, sizeof *g->node);
     if (!sides || !g->node) {
         free(sides);
         sheen_normal_grid_release(g);

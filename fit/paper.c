@@ -68,8 +68,8 @@ static sheen_status make_hemisphere(run *r, sheen_err *err)
         if ((s = sheen_progress_step(&r->o.progress, "illumination hemisphere", (int)i, (int)f->n_views,
                                      err)))
             break;
-        s = sheen_residual_make(&f->residuals[i], r->mesh, &f->model.texture, NULL, &f->gbuffers[i],
-                                &r->photos->cam, &r->photos->photos[i], r->o.n_threads, err);
+        s = sheen_residual_make(&f->residuals[i], r->mesh, &f->model, &f->gbuffers[i], &r->photos->cam,
+                                &r->photos->photos[i], r->o.n_threads, err);
         if (!s)
             s = sheen_partial_hemisphere_make(&f->partials[i], &f->geodesic, &f->residuals[i], r->o.n_threads,
                                               err);

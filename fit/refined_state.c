@@ -172,9 +172,8 @@ sheen_status sheen_refined_residuals(sheen_refined_state *r, sheen_err *err)
     for (size_t i = 0; i < f->n_views && !s; i++) {
         sheen_residual_release(&f->residuals[i]);
         sheen_partial_hemisphere_release(&f->partials[i]);
-        if ((s = sheen_residual_make(&f->residuals[i], r->mesh, &f->model.texture, &f->model.normals,
-                                     &f->gbuffers[i], &r->photos->cam, &r->photos->photos[i], r->o.n_threads,
-                                     err)))
+        if ((s = sheen_residual_make(&f->residuals[i], r->mesh, &f->model, &f->gbuffers[i], &r->photos->cam,
+                                     &r->photos->photos[i], r->o.n_threads, err)))
             break;
         mirrored_job j = {r, i};
         sheen_parallel_for(f->residuals[i].count, 2048, r->o.n_threads, subtract_mirrored, &j);

@@ -118,14 +118,13 @@ static sheen_status make_pixels(sheen_residual *out, const residual_view *view, 
     return SHEEN_OK;
 }
 
-sheen_status sheen_residual_make(sheen_residual *out, const sheen_mesh *mesh, const sheen_texture *texture,
-                                 const sheen_texture *normals, const sheen_gbuffer *g,
-                                 const sheen_camera *cam, const sheen_photo *photo, int n_threads,
-                                 sheen_err *err)
+sheen_status sheen_residual_make(sheen_residual *out, const sheen_mesh *mesh, const sheen_model *model,
+                                 const sheen_gbuffer *g, const sheen_camera *cam, const sheen_photo *photo,
+                                 int n_threads, sheen_err *err)
 {
     *out = (sheen_residual){0};
-    residual_view view = {mesh, texture, normals,
-                          g,    photo,   .footprint_per_m = 1.0f / (float)cam->intrinsics[0]};
+    residual_view view = {mesh, &model->texture, &model->normals,
+                          g,    photo,           .footprint_per_m = 1.0f / (float)cam->intrinsics[0]};
     sheen_Rt_from_rt(&view.Rt_world_obj, photo->rt_world_obj);
     return make_pixels(out, &view, n_threads, err);
 }

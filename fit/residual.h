@@ -7,7 +7,7 @@
 
 #include "fit/photos.h"
 #include "render/gbuffer.h"
-#include "render/texture.h"
+#include "render/model.h"
 
 // What one pixel of the object tells: the light that its texture does not explain, and where it was reflected.
 typedef struct sheen_residual_pixel {
@@ -27,11 +27,10 @@ typedef struct sheen_residual {
     size_t count;
 } sheen_residual;
 
-// normals: see render/normal_map.h; NULL or empty: the mesh's. The result does not depend on n_threads. ENOMEM.
-sheen_status sheen_residual_make(sheen_residual *out, const sheen_mesh *mesh, const sheen_texture *texture,
-                                 const sheen_texture *normals, const sheen_gbuffer *g,
-                                 const sheen_camera *cam, const sheen_photo *photo, int n_threads,
-                                 sheen_err *err);
+// model: its texture, and its normal map where it has one (else the mesh's normals). The result does not depend on n_threads. ENOMEM.
+sheen_status sheen_residual_make(sheen_residual *out, const sheen_mesh *mesh, const sheen_model *model,
+                                 const sheen_gbuffer *g, const sheen_camera *cam, const sheen_photo *photo,
+                                 int n_threads, sheen_err *err);
 void sheen_residual_release(sheen_residual *r);
 
 #endif

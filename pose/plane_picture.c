@@ -106,7 +106,7 @@ static void fill_rows(void *self, size_t begin, size_t end)
 // Pixels a metre at the board's origin, the median of the views.
 static double scale_px_per_m(const job *j)
 {
-    double each[MAX_VIEWS];
+    double each[MAX_VIEWS] = {0};
     for (size_t v = 0; v < j->n_views; v++) {
         double q_px[2], dq_dp[6];
         each[v] = 0;
@@ -130,7 +130,7 @@ static sheen_status measure_gains(job *j, const sheen_board *board, sheen_err *e
     for (int i = 0; i < SIDE * SIDE; i++) {
         const double p[3] = {((i % SIDE + 0.5) / SIDE - 0.5) * board->n_cols * board->square_m,
                              ((i / SIDE + 0.5) / SIDE - 0.5) * board->n_rows * board->square_m, 0};
-        double level[MAX_VIEWS], sorted[MAX_VIEWS];
+        double level[MAX_VIEWS], sorted[MAX_VIEWS] = {0};
         size_t seen = 0;
         for (size_t v = 0; v < j->n_views; v++, seen++) {
             double p_cam[3], q_px[2];

@@ -111,7 +111,7 @@ SHEEN_KERNEL_INLINE group group_of(const sheen_lobe_block *b, int begin, int end
 // The samples that lie farthest along and against both tangents; these are square to n0.
 SHEEN_KERNEL_INLINE void find_extremes(group *g, const sheen_lobe_block *b)
 {
-    float d1[SHEEN_LOBE_BLOCK], d2[SHEEN_LOBE_BLOCK], most[4] = {-1, -1, -1, -1};
+    float d1[SHEEN_LOBE_BLOCK] = {0}, d2[SHEEN_LOBE_BLOCK] = {0}, most[4] = {-1, -1, -1, -1};
 #pragma omp simd
     for (int i = g->begin; i < g->end; i++) {
         d1[i] = b->nx[i] * g->across1[0] + b->ny[i] * g->across1[1] + b->nz[i] * g->across1[2];
@@ -383,6 +383,7 @@ SHEEN_KERNEL_INLINE void sum_wide(sheen_lobe_block *b, const sheen_light_cells *
 {
     int waiting[64][2] = {{0, b->count}}, n = 1, listed_from = b->count;
     near_lights near;
+    near.lights = (sheen_lights){0};
     while (n) {
         const int begin = waiting[n - 1][0], end = waiting[n - 1][1], count = end - begin;
         n--;

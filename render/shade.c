@@ -240,10 +240,10 @@ static void split_some(float *rgb, float *above_world, const sheen_shading *s, c
     sheen_hit hits[AT_A_TIME];
     if (!n)
         return;
-    for (size_t i = 0; i < 3 * n; i += 3) {
-        sheen_mirrorf(r_obj + i, n_obj + i, v_obj + i);
-        for (size_t k = 0; k < 3; k++)
-            from[i + k] = p_obj[i + k] + s->offset_m * n_obj[i + k];
+    for (size_t i = 0; i < n; i++) {
+        sheen_mirrorf(r_obj + 3 * i, n_obj + 3 * i, v_obj + 3 * i);
+        for (size_t k = 3 * i; k < 3 * i + 3; k++)
+            from[k] = p_obj[k] + s->offset_m * n_obj[k];
     }
     sheen_scene_first_hits(s->scene, hits, from, 0, r_obj, n);
     for (size_t i = 0; i < n; i++)
@@ -262,7 +262,7 @@ void sheen_shade_split(float *rgb, float *above_world, const sheen_shading *s, c
 void sheen_shade_mirrored(float *rgb, const sheen_shading *s, const float *p_obj, const float *n_obj,
                           const float *v_obj, size_t n)
 {
-    float above_world[3 * AT_A_TIME];
+    float above_world[3 * AT_A_TIME] = {0};
     memset(rgb, 0, 3 * n * sizeof *rgb);
     for (size_t begin = 0; begin < n && s->model->surroundings.present; begin += AT_A_TIME) {
         const size_t at = 3 * begin, n_now = n - begin < AT_A_TIME ? n - begin : AT_A_TIME;

@@ -36,8 +36,9 @@ static bool finish(sheen_libcamera_frames *f, sheen_frame *frame, int64_t sequen
 {
     sheen_err err;
     bool keep = false;
+    *frame = (sheen_frame){.data = data, .size_bytes = n, .info.t_ns = 7000};
     if (sheen_libcamera_frames_turn(f, sequence, true))
-        assert_ok(sheen_libcamera_frames_judge(&keep, frame, f, &says, 7000, data, n, "Camera", &err), err);
+        assert_ok(sheen_libcamera_frames_judge(&keep, frame, f, &says, "Camera", &err), err);
     return keep;
 }
 
@@ -109,8 +110,8 @@ static void frames_count_under_the_lock_only(void **state)
     sheen_frame_pipeline strays = says;
     strays.exposure_us *= 1.1;
     assert_true(sheen_libcamera_frames_turn(&f, n + 1, true));
-    assert_ok(sheen_libcamera_frames_judge(&keep, &frame, &f, &strays, 1, data, N_BYTES, "Camera", &err),
-              err);
+    frame = (sheen_frame){.data = data, .size_bytes = N_BYTES, .info.t_ns = 1};
+    assert_ok(sheen_libcamera_frames_judge(&keep, &frame, &f, &strays, "Camera", &err), err);
     assert_false(keep);
     assert_int_equal(f.counts.n_unlocked, 1);
 }
