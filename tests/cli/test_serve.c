@@ -77,7 +77,7 @@ static int ask_raw(site *s, const char *request, char *reply, size_t reply_bytes
 
 static int ask(site *s, const char *method, const char *path, const char *host)
 {
-    char request[600], reply[4096];
+    char request[4400], reply[4096];
     snprintf(request, sizeof request, "%s /%s HTTP/1.1\r\n%s%s%sConnection: close\r\n\r\n", method, path,
              host ? "Host: " : "", host ? host : "", host ? "\r\n" : "");
     return ask_raw(s, request, reply, sizeof reply);
