@@ -15,9 +15,12 @@ import { openBrowser, psnr } from "./browser.mjs";
 const [, , chromium, sheen, folder, ...sessions] = process.argv;
 const here = dirname(fileURLToPath(import.meta.url));
 const [width, height] = [1920, 1080];
-// glTF has no shadows and mirrors nothing of the object itself, and a board close by as if it were far: what it says of a
-// model with those is less like it.
-const leastDbOf = (session) => (JSON.parse(readFileSync(join(session, "model/model.json"), "utf8")).surroundings ? 20 : 28);
+// glTF has no shadows and mirrors nothing of the object itself, a board close by as if it were far, and lamps likewise: what
+// it says of a model with those is less like it.
+function leastDbOf(session) {
+    const model = JSON.parse(readFileSync(join(session, "model/model.json"), "utf8"));
+    return model.surroundings ? 20 : model.lamps ? 26 : 28;
+}
 const mostPx = 3;
 const looks = [[30, 25], [120, 10], [205, 42], [290, 60]];
 mkdirSync(folder, { recursive: true });
