@@ -69,13 +69,32 @@ function fromBase64(id: string): Uint8Array<ArrayBuffer> {
     }
 }
 
+// Limits far beyond any model that is exported: what passes them was made to fill memory, and is refused before it does.
+const mostBytes = 256 * 1024 * 1024; // inflated
+const mostNodes = 400 * 400 * 10; // of a hemisphere of the finest lattice (render/geodesic.h)
+const mostLamps = 4096; // render/model.h
+
+// The whole stream, unless it holds more than mostBytes: deflate can hide a thousand times its size.
 async function inflate(packed: Uint8Array<ArrayBuffer>): Promise<Uint8Array> {
-    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
+    const reader = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate-raw")).getReader();
+    const pieces: Uint8Array[] = [];
+    let size = 0;
     try {
-        return new Uint8Array(await new Response(stream).arrayBuffer());
+        for (let piece = await reader.read(); !piece.done; piece = await reader.read()) {
+            size += piece.value.length;
+            if (size > mostBytes) throw damaged();
+            pieces.push(piece.value);
+        }
     } catch {
         throw damaged();
     }
+    const whole = new Uint8Array(size);
+    let at = 0;
+    for (const piece of pieces) {
+        whole.set(piece, at);
+        at += piece.length;
+    }
+    return whole;
 }
 
 interface Vertices {
@@ -194,6 +213,15 @@ function vector(x: unknown, n: number): boolean {
     return Array.isArray(x) && x.length === n && x.every(Number.isFinite);
 }
 
+// A number that may be divided by and drawn with; JSON's 1e999 is read as infinity.
+function positive(x: unknown): boolean {
+    return Number.isFinite(x) && (x as number) > 0;
+}
+
+function atLeast0(x: unknown): boolean {
+    return Number.isFinite(x) && (x as number) >= 0;
+}
+
 function readNumbers(text: Uint8Array): Numbers {
     let n: Numbers;
     try {
@@ -206,12 +234,12 @@ function readNumbers(text: Uint8Array): Numbers {
     const good =
         Number.isSafeInteger(n?.n_vertices) && n.n_vertices > 0 && Number.isSafeInteger(n.n_triangles) && n.n_triangles > 0 &&
         Number.isSafeInteger(n.texels_per_edge) && n.texels_per_edge >= 2 && n.texels_per_edge <= 64 &&
-        vector(n.rt_board_obj, 6) && n.focal_per_width > 0 && vector(n.min_obj, 3) && vector(n.max_obj, 3) &&
-        vector(m?.rt_world_obj, 6) && m.k_s >= 0 && m.sigma_rad > 0 && vector(m.light_rgb, 3) && m.n_hemisphere > 0 &&
-        Array.isArray(m.nodes?.radiance) && m.nodes.direction_world?.length === m.nodes.radiance.length &&
-        (!around || (around.f0 >= 0 && vector(around.table_rgb, 3) && around.ambient_rgb?.length === 9 && around.ambient_rgb.every((x) => vector(x, 3)))) &&
-        (!m.gloss || (m.gloss.width > 0 && m.gloss.colours?.length <= 32 && m.gloss.colours.every((x) => vector(x, 4)))) &&
-        (!around?.board || (around.board.pitch_m > 0 && vector(n.board_size_px, 2) && Number.isFinite(n.board_white)));
+        vector(n.rt_board_obj, 6) && positive(n.focal_per_width) && vector(n.min_obj, 3) && vector(n.max_obj, 3) &&
+        vector(m?.rt_world_obj, 6) && atLeast0(m.k_s) && m.sigma_rad >= 1e-5 && m.sigma_rad <= 2 && vector(m.light_rgb, 3) && m.n_hemisphere > 0 && m.n_hemisphere <= mostNodes &&
+        Array.isArray(m.nodes?.radiance) && m.nodes.direction_world?.length === m.nodes.radiance.length && m.nodes.radiance.length <= m.n_hemisphere &&
+        (!around || (around.f0 >= 0 && around.f0 <= 1 && vector(around.table_rgb, 3) && around.ambient_rgb?.length === 9 && around.ambient_rgb.every((x) => vector(x, 3)))) &&
+        (!m.gloss || (positive(m.gloss.width) && m.gloss.colours?.length <= 32 && m.gloss.colours.every((x) => vector(x, 4)))) &&
+        (!around?.board || (positive(around.board.pitch_m) && vector(n.board_size_px, 2) && Number.isFinite(n.board_white)));
     if (!good) throw damaged();
     return n;
 }
@@ -222,7 +250,7 @@ function readLights(model: Numbers["model"]): { lightDirection: Float32Array; li
     const lightWeight = new Float32Array(n);
     for (let i = 0; i < n; i++) {
         const d = model.nodes.direction_world[i];
-        if (!vector(d, 3) || !(Math.hypot(...d) > 0) || !(model.nodes.radiance[i] >= 0)) throw damaged();
+        if (!vector(d, 3) || !(Math.hypot(...d) > 0) || !atLeast0(model.nodes.radiance[i])) throw damaged();
         lightWeight[i] = ((2 * Math.PI) / model.n_hemisphere) * model.nodes.radiance[i];
         const length = Math.hypot(...d);
         lightDirection.set(d.map((x) => x / length), 3 * i);
@@ -233,9 +261,9 @@ function readLights(model: Numbers["model"]): { lightDirection: Float32Array; li
 function readLamps(model: Numbers["model"]): Lamps | null {
     const lamps = model.lamps;
     if (!lamps) return null;
-    if (!vector(lamps.origin_world, 3) || !(lamps.tail >= 0 && lamps.tail <= 1) || !(lamps.fresnel >= 0) || !Array.isArray(lamps.lights)) throw damaged();
+    if (!vector(lamps.origin_world, 3) || !(lamps.tail >= 0 && lamps.tail <= 1) || !atLeast0(lamps.fresnel) || !Array.isArray(lamps.lights) || lamps.lights.length > mostLamps) throw damaged();
     const lights = lamps.lights.map((l) => {
-        if (!vector(l.direction_world, 3) || !(Math.hypot(...l.direction_world) > 0) || !vector(l.rgb, 3) || !(l.inverse_distance_per_m >= 0) || !(l.radius_rad >= 0))
+        if (!vector(l.direction_world, 3) || !(Math.hypot(...l.direction_world) > 0) || !vector(l.rgb, 3) || !atLeast0(l.inverse_distance_per_m) || !atLeast0(l.radius_rad))
             throw damaged();
         const length = Math.hypot(...l.direction_world);
         return { direction: l.direction_world.map((x) => x / length), perMetre: l.inverse_distance_per_m, radius: l.radius_rad, rgb: l.rgb };

@@ -9,6 +9,7 @@ import { once } from "node:events";
 import { cpSync, mkdirSync, readFileSync, renameSync, rmSync, utimesSync, writeFileSync } from "node:fs";
 import { request } from "node:http";
 import { basename, join } from "node:path";
+import { deflateRawSync, inflateRawSync } from "node:zlib";
 import { PNG } from "pngjs";
 import { openBrowser, openPage, picture, psnr, settled } from "./browser.mjs";
 
@@ -25,7 +26,10 @@ const exported = (session, name, ...options) => {
 };
 const rendered = (session, look, ...options) => {
     const file = join(folder, `sheen-${basename(session)}-${look}${options.at(-1) ?? ""}.png`);
-    run("render", session, `--view=${look}`, "--size", `${size.width}x${size.height}`, "--black-holes", "-o", file, ...options);
+    // The refined method fills what no photograph saw, and the page shows it; the paper's leaves it black.
+    const { method } = JSON.parse(readFileSync(join(session, "model/model.json"), "utf8"));
+    const holes = method === "refined" ? "fill" : "black";
+    run("render", session, `--view=${look}`, "--size", `${size.width}x${size.height}`, "--holes", holes, "-o", file, ...options);
     return PNG.sync.read(readFileSync(file));
 };
 
@@ -291,6 +295,46 @@ await test("the served page follows the session, and nobody else is answered", a
         assert.equal(await asked(address, pathname, { method: "HEAD" }), 200);
     });
     rmSync(session, { recursive: true });
+});
+
+// The page whose model's numbers were changed, packed again as sheen packs them (render/page_layout.h).
+function hostile(html, change) {
+    const start = html.indexOf('id="geometry">') + 'id="geometry">'.length;
+    const end = html.indexOf("</script>", start);
+    const bytes = inflateRawSync(Buffer.from(html.slice(start, end), "base64"));
+    const after = 8 + bytes.readUInt32LE(4);
+    const text = Buffer.from(change(bytes.subarray(8, after).toString("utf8")));
+    const head = Buffer.from(bytes.subarray(0, 8));
+    head.writeUInt32LE(text.length, 4);
+    const packed = deflateRawSync(Buffer.concat([head, text, bytes.subarray(after)]), { level: 1 });
+    return html.slice(0, start) + packed.toString("base64") + html.slice(end);
+}
+
+await test("a model that was made to harm is one sentence", async () => {
+    const html = readFileSync(small.file, "utf8");
+    const numbers = (change) => (text) => {
+        const n = JSON.parse(text);
+        change(n);
+        return JSON.stringify(n);
+    };
+    const many = (n, one) => `[${`${one},`.repeat(n - 1)}${one}]`;
+    const pages = {
+        same: [(text) => text, undefined, null],
+        nodes: [(text) => text.replace(/"radiance": ?\[[^\]]*\]/, () => `"radiance":${many(1e7, 1)}`), "error", /damaged/],
+        "nodes-alike": [numbers((n) => Object.assign(n.model.nodes, { radiance: Array(2e5).fill(1), direction_world: Array(2e5).fill([0, 0, 1]) })), "error", /damaged/],
+        bytes: [(text) => text + " ".repeat(3e8), "error", /damaged/],
+        infinite: [(text) => text.replace(/"k_s": ?[^,]*/, '"k_s":1e999'), "error", /damaged/],
+        none: [(text) => text.replace(/"sigma_rad": ?[^,]*/, '"sigma_rad":NaN'), "error", /damaged/],
+        texels: [numbers((n) => (n.texels_per_edge = 0)), "error", /damaged/],
+        triangles: [numbers((n) => (n.n_triangles = 1)), "error", /damaged/],
+    };
+    for (const [name, [change, state, expected]] of Object.entries(pages)) {
+        const file = join(folder, `hostile-${name}.html`);
+        writeFileSync(file, hostile(html, change));
+        await on(file, { state, expected: /^console: / }, async (tab) => {
+            if (state === "error") assert.match(await said(tab), expected, name);
+        });
+    }
 });
 
 await test("without WebGL2, and with a damaged model, the page says so", async () => {
