@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/parallel.h"
 #include "base/pose3.h"
 
 const char *sheen_evaluation_method_name(int method)
@@ -113,6 +114,15 @@ static void select_highlights(view *v, const sheen_image *known, const sheen_ima
     }
 }
 
+// The methods' pictures of one view, each scored on its own.
+typedef struct scoring {
+    const view *v;
+    sheen_layers *layers; // [SHEEN_EVALUATION_METHODS]
+    sheen_score *scores;
+    sheen_status status[SHEEN_EVALUATION_METHODS];
+    sheen_err err[SHEEN_EVALUATION_METHODS];
+} scoring;
+
 static sheen_status score(sheen_score *out, const view *v, const sheen_layers *layers, sheen_err *err)
 {
     out->object = sheen_psnr_of(&layers->composite, &v->photo->image, v->object);
@@ -120,6 +130,15 @@ static sheen_status score(sheen_score *out, const view *v, const sheen_layers *l
     out->frame = sheen_psnr_of(&layers->composite, &v->photo->image, NULL);
     out->hole_share = hole_share(layers, v);
     return sheen_orb_of(&out->orb, &layers->composite, &v->photo->image, v->object, err);
+}
+
+static void score_methods(void *self, size_t begin, size_t end)
+{
+    scoring *g = self;
+    for (size_t m = begin; m < end; m++) {
+        keep_background(&g->layers[m].composite, g->v);
+        g->status[m] = score(&g->scores[m], g->v, &g->layers[m], &g->err[m]);
+    }
 }
 
 static sheen_status score_view(const bench *b, size_t i_view, sheen_err *err)
@@ -139,9 +158,11 @@ static sheen_status score_view(const bench *b, size_t i_view, sheen_err *err)
     const sheen_image *known = b->highlights && b->highlights[i_view].data ? &b->highlights[i_view] : NULL;
     select_object(&v, &layers[0]);
     select_highlights(&v, known, &layers[1 + SHEEN_BASELINE_MEDIAN].composite);
+    scoring g = {.v = &v, .layers = layers, .scores = b->out->scores[i_view]};
+    sheen_parallel_for(SHEEN_EVALUATION_METHODS, 1, b->o->n_threads, score_methods, &g);
     for (int m = 0; m < SHEEN_EVALUATION_METHODS && !s; m++) {
-        keep_background(&layers[m].composite, &v);
-        s = score(&b->out->scores[i_view][m], &v, &layers[m], err);
+        if ((s = g.status[m]) && err)
+            *err = g.err[m];
         if (!s && b->o->picture)
             b->o->picture(b->o->picture_self, v.photo, m, &layers[m].composite, v.object);
     }

@@ -28,6 +28,8 @@ sheen_psnr sheen_psnr_of(const sheen_image *rendered, const sheen_image *photo, 
         n_pixels++;
         for (size_t c = 0; c < 3; c++) {
             const float a = clip(rendered->data[3 * i + c]), b = clip(photo->data[3 * i + c]);
+            if (a == b)
+                continue;
             const double d = (double)a - (double)b;
             const double e = (double)sheen_transfer_encode(SHEEN_TRANSFER_SRGB, a) -
                              (double)sheen_transfer_encode(SHEEN_TRANSFER_SRGB, b);

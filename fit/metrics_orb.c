@@ -14,29 +14,41 @@ typedef struct pair {
     double scale[3]; // of the rendered picture's channels
 } pair;
 
-// 1 where all of the 5x5 neighbours that exist are in the mask.
+// Pixels of the mask within `reach` px of (x, y) in both directions; those that do not exist are not counted.
+static int masked_near(const uint8_t *mask, int x, int y, int reach, int width_px, int height_px,
+                       int *n_exist)
+{
+    const int x0 = x < reach ? 0 : x - reach, x1 = x + reach < width_px ? x + reach : width_px - 1;
+    const int y0 = y < reach ? 0 : y - reach, y1 = y + reach < height_px ? y + reach : height_px - 1;
+    int n = 0;
+    for (int v = y0; v <= y1; v++)
+        for (int u = x0; u <= x1; u++)
+            n += mask[(size_t)v * (size_t)width_px + (size_t)u] != 0;
+    if (n_exist)
+        *n_exist = (x1 - x0 + 1) * (y1 - y0 + 1);
+    return n;
+}
+
+// 1 where all of the 5x5 neighbours that exist are in the mask; out holds zeros before.
 static void erode(uint8_t *out, const uint8_t *mask, int width_px, int height_px)
 {
     for (int y = 0; y < height_px; y++)
         for (int x = 0; x < width_px; x++) {
-            uint8_t all = 1;
-            for (int v = y - 2; v <= y + 2; v++)
-                for (int u = x - 2; u <= x + 2; u++)
-                    if (u >= 0 && v >= 0 && u < width_px && v < height_px &&
-                        !mask[(size_t)v * (size_t)width_px + (size_t)u])
-                        all = 0;
-            out[(size_t)y * (size_t)width_px + (size_t)x] = all;
+            const size_t i = (size_t)y * (size_t)width_px + (size_t)x;
+            int n_exist;
+            if (mask[i])
+                out[i] = masked_near(mask, x, y, 2, width_px, height_px, &n_exist) == n_exist;
         }
 }
 
 static double photo_at(const pair *p, size_t i, size_t c)
 {
-    return p->mask[i] ? fmax(0, (double)p->photo->data[3 * i + c]) : 0;
+    return fmax(0, (double)p->photo->data[3 * i + c]);
 }
 
 static double rendered_at(const pair *p, size_t i, size_t c)
 {
-    return p->mask[i] ? (double)p->rendered->data[3 * i + c] : 0;
+    return (double)p->rendered->data[3 * i + c];
 }
 
 static double code(double x)
@@ -50,6 +62,8 @@ static void fit_scales(pair *p)
     for (size_t c = 0; c < 3; c++) {
         double ab = 0, bb = 0, a = 0;
         for (size_t i = 0; i < p->n; i++) {
+            if (!p->mask[i])
+                continue;
             const double r = rendered_at(p, i, c), q = photo_at(p, i, c);
             ab += r * q;
             bb += r * r;
@@ -64,7 +78,7 @@ static double brightening(const pair *p)
 {
     double linear = 0, coded = 0;
     for (size_t i = 0; i < p->n; i++)
-        for (size_t c = 0; c < 3; c++) {
+        for (size_t c = 0; c < 3 && p->mask[i]; c++) {
             const double q = fmin(1, photo_at(p, i, c));
             linear += q;
             coded += code(q);
@@ -76,16 +90,15 @@ static double psnr_db(const pair *p, double gain, double max, int coded)
 {
     double sum = 0, flat = 0;
     for (size_t i = 0; i < p->n; i++)
-        for (size_t c = 0; c < 3; c++) {
+        for (size_t c = 0; c < 3 && p->mask[i]; c++) {
             double r = fmin(max, fmax(0, rendered_at(p, i, c) * p->scale[c] * gain));
             double q = fmin(max, photo_at(p, i, c) * gain);
             if (coded) {
                 r = code(r);
                 q = code(q);
             }
-            const double f = p->mask[i] ? 0.5 : 0;
             sum += (r - q) * (r - q);
-            flat += (f - q) * (f - q);
+            flat += (0.5 - q) * (0.5 - q);
         }
     const double n = 3 * (double)p->n;
     return fmax(-10 * log10(sum / n), -10 * log10(flat / n));
@@ -95,8 +108,9 @@ static double psnr_db(const pair *p, double gain, double max, int coded)
 static void channel(float *r, float *q, const pair *p, size_t c)
 {
     for (size_t i = 0; i < p->n; i++) {
-        r[i] = (float)code(fmin(1, fmax(0, rendered_at(p, i, c) * p->scale[c])));
-        q[i] = (float)code(fmin(1, photo_at(p, i, c)));
+        const int in = p->mask[i];
+        r[i] = in ? (float)code(fmin(1, fmax(0, rendered_at(p, i, c) * p->scale[c]))) : 0;
+        q[i] = in ? (float)code(fmin(1, photo_at(p, i, c))) : 0;
     }
 }
 
@@ -107,14 +121,20 @@ static int mirrored(int i, int n)
     return j < 0 ? 0 : j >= n ? n - 1 : j;
 }
 
-// SSIM of one channel, summed over its pixels (Wang et al. 2004; C1 = 0.01^2, C2 = 0.03^2).
-static double ssim_sum(const float *r, const float *q, int width_px, int height_px)
+// SSIM of one channel, summed over its pixels (Wang et al. 2004; C1 = 0.01^2, C2 = 0.03^2). Far from the mask, where
+// both are 0, it is the same number everywhere.
+static double ssim_sum(const float *r, const float *q, const uint8_t *mask, int width_px, int height_px)
 {
+    const double c1 = 1e-4, c2 = 9e-4, blank = c1 * c2 / (c1 * c2 + 1e-12);
     const double e = exp(-1 / (2 * 1.5 * 1.5)), side = e / (1 + 2 * e), mid = 1 / (1 + 2 * e);
     const double w[3] = {side, mid, side};
     double sum = 0;
     for (int y = 0; y < height_px; y++)
         for (int x = 0; x < width_px; x++) {
+            if (!masked_near(mask, x, y, 1, width_px, height_px, NULL)) {
+                sum += blank;
+                continue;
+            }
             double mr = 0, mq = 0, rr = 0, qq = 0, rq = 0;
             for (int dy = -1; dy <= 1; dy++)
                 for (int dx = -1; dx <= 1; dx++) {
@@ -127,7 +147,6 @@ static double ssim_sum(const float *r, const float *q, int width_px, int height_
                     qq += k * b * b;
                     rq += k * a * b;
                 }
-            const double c1 = 1e-4, c2 = 9e-4;
             const double above = (2 * mr * mq + c1) * (2 * (rq - mr * mq) + c2);
             const double below = (mr * mr + mq * mq + c1) * (rr - mr * mr + qq - mq * mq + c2);
             sum += fmax(-1, fmin(1, above / (below + 1e-12)));
@@ -161,7 +180,7 @@ sheen_status sheen_orb_of(sheen_orb *out, const sheen_image *rendered, const she
     out->ssim = 0;
     for (size_t c = 0; c < 3; c++) {
         channel(r, q, &p, c);
-        out->ssim += ssim_sum(r, q, photo->width_px, photo->height_px) / (3 * (double)p.n);
+        out->ssim += ssim_sum(r, q, p.mask, photo->width_px, photo->height_px) / (3 * (double)p.n);
     }
 
 done:
