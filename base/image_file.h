@@ -25,6 +25,9 @@ sheen_status sheen_raster_probe(int *width_px, int *height_px, const void *data,
 
 sheen_status sheen_png_parse(sheen_raster *out, const void *data, size_t size_bytes, sheen_err *err);
 sheen_status sheen_jpeg_parse(sheen_raster *out, const void *data, size_t size_bytes, sheen_err *err);
+// As it is coded: Y'CbCr, its chroma interpolated to all pixels (*is_ycbcr_out), else grey or RGB as above.
+sheen_status sheen_jpeg_parse_coded(sheen_raster *out, bool *is_ycbcr_out, const void *data,
+                                    size_t size_bytes, sheen_err *err);
 sheen_status sheen_tiff_parse(sheen_raster *out, const void *data, size_t size_bytes, sheen_err *err);
 sheen_status sheen_exr_parse(sheen_raster *out, const void *data, size_t size_bytes, sheen_err *err);
 // Radiance (.hdr, RGBE): divided by the exposures that its header names.

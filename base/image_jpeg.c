@@ -22,7 +22,10 @@
 // coding can go below that for blank pictures of tens of megapixels only.)
 enum { MAX_PX_PER_BYTE = 512, MAX_SCANS = 200 };
 
+typedef enum reading { HEADER, RGB_OR_GREY, AS_CODED } reading;
+
 typedef struct reader {
+    reading what;
     struct jpeg_decompress_struct jpeg;
     struct jpeg_error_mgr errors;
     struct jpeg_progress_mgr progress;
@@ -90,7 +93,10 @@ static void on_progress(j_common_ptr jpeg)
 
 static void set_output(reader *r)
 {
-    r->jpeg.out_color_space = r->jpeg.jpeg_color_space == JCS_GRAYSCALE ? JCS_GRAYSCALE : JCS_RGB;
+    const J_COLOR_SPACE coded = r->jpeg.jpeg_color_space;
+    r->jpeg.out_color_space = coded == JCS_GRAYSCALE                      ? JCS_GRAYSCALE
+                              : coded == JCS_YCbCr && r->what == AS_CODED ? JCS_YCbCr
+                                                                          : JCS_RGB;
     r->jpeg.dct_method = JDCT_ISLOW;
 }
 
@@ -104,7 +110,7 @@ static void read_rows(reader *r)
 }
 
 // Between setjmp and the end only *r changes.
-static sheen_status read_all(reader *r, const void *data, size_t size_bytes, bool header_only)
+static sheen_status read_all(reader *r, const void *data, size_t size_bytes)
 {
     if (setjmp(r->escape))
         return sheen_fail(r->err, r->status, "JPEG cannot be decoded: %s", r->message);
@@ -114,7 +120,7 @@ static sheen_status read_all(reader *r, const void *data, size_t size_bytes, boo
     jpeg_read_header(&r->jpeg, TRUE);
     const uint32_t width_px = r->jpeg.image_width, height_px = r->jpeg.image_height;
     r->status = sheen_image_check_sides(width_px, height_px, r->err);
-    if (r->status || header_only) {
+    if (r->status || r->what == HEADER) {
         r->raster.width_px = (int)width_px;
         r->raster.height_px = (int)height_px;
         return r->status;
@@ -136,15 +142,17 @@ static sheen_status read_all(reader *r, const void *data, size_t size_bytes, boo
     return SHEEN_OK;
 }
 
-static sheen_status read_jpeg(sheen_raster *out, const void *data, size_t size_bytes, bool header_only,
-                              sheen_err *err)
+static sheen_status read_jpeg(sheen_raster *out, bool *is_ycbcr, const void *data, size_t size_bytes,
+                              reading what, sheen_err *err)
 {
     *out = (sheen_raster){0};
+    *is_ycbcr = false;
     if (!size_bytes)
         return sheen_fail(err, SHEEN_EFORMAT, "the file is empty");
     reader *r = calloc(1, sizeof *r);
     if (!r)
         return sheen_fail_memory(err, sizeof *r, "libjpeg");
+    r->what = what;
     r->err = err;
     r->jpeg.err = jpeg_std_error(&r->errors);
     r->jpeg.client_data = r;
@@ -152,7 +160,8 @@ static sheen_status read_jpeg(sheen_raster *out, const void *data, size_t size_b
     r->errors.emit_message = on_message;
     r->errors.output_message = print_nothing;
     r->progress.progress_monitor = on_progress;
-    const sheen_status s = read_all(r, data, size_bytes, header_only);
+    const sheen_status s = read_all(r, data, size_bytes);
+    *is_ycbcr = r->jpeg.out_color_space == JCS_YCbCr;
     jpeg_destroy_decompress(&r->jpeg);
     if (s)
         sheen_raster_release(&r->raster);
@@ -163,14 +172,22 @@ static sheen_status read_jpeg(sheen_raster *out, const void *data, size_t size_b
 
 sheen_status sheen_jpeg_parse(sheen_raster *out, const void *data, size_t size_bytes, sheen_err *err)
 {
-    return read_jpeg(out, data, size_bytes, false, err);
+    bool is_ycbcr;
+    return read_jpeg(out, &is_ycbcr, data, size_bytes, RGB_OR_GREY, err);
+}
+
+sheen_status sheen_jpeg_parse_coded(sheen_raster *out, bool *is_ycbcr_out, const void *data,
+                                    size_t size_bytes, sheen_err *err)
+{
+    return read_jpeg(out, is_ycbcr_out, data, size_bytes, AS_CODED, err);
 }
 
 sheen_status sheen_jpeg_probe(int *width_px, int *height_px, const void *data, size_t size_bytes,
                               sheen_err *err)
 {
     sheen_raster size;
-    const sheen_status s = read_jpeg(&size, data, size_bytes, true, err);
+    bool is_ycbcr;
+    const sheen_status s = read_jpeg(&size, &is_ycbcr, data, size_bytes, HEADER, err);
     if (!s) {
         *width_px = size.width_px;
         *height_px = size.height_px;

@@ -135,8 +135,7 @@ void sheen_pixels_unpack(uint16_t *out, const uint8_t *row, int width_px, const 
     }
 }
 
-// Grey and RGB in limited range (video levels) are spread to the full one.
-static void spread_limited(sheen_raster *r)
+void sheen_pixels_spread_limited(sheen_raster *r)
 {
     uint16_t *v = r->data;
     const size_t n = (size_t)r->width_px * (size_t)r->height_px * (size_t)r->n_channels;
@@ -161,7 +160,7 @@ static void develop_plain(sheen_raster *out, const uint8_t *data, const sheen_pi
     }
     const bool limited = l->color.quantization == V4L2_QUANTIZATION_LIM_RANGE;
     if (limited)
-        spread_limited(out);
+        sheen_pixels_spread_limited(out);
 }
 
 static sheen_status develop(sheen_raster *out, const uint8_t *data, const sheen_pixel_layout *l,

@@ -50,6 +50,12 @@ sheen_status sheen_pixels_transfer(sheen_transfer *out, uint32_t fourcc, const s
 sheen_status sheen_pixels_develop(sheen_raster *out, const void *data, size_t size_bytes,
                                   const sheen_pixel_layout *layout, sheen_err *err);
 
+// What a camera delivered: a raw format as above, or (fourcc 0, MJPEG or JPEG) a picture file as image_file.h reads it.
+// A JPEG's matrix and range are JFIF's (BT.601, full) unless the layout's colour names others; then the codes come with
+// 16 bits, what lies outside of a limited range clipped. Width and height of a picture are its own: compare them.
+sheen_status sheen_payload_develop(sheen_raster *out, const void *data, size_t size_bytes,
+                                   const sheen_pixel_layout *layout, sheen_err *err);
+
 // True for a mosaic of colours (Bayer).
 bool sheen_pixels_is_mosaic(uint32_t fourcc);
 // The two halves of developing a mosaic: its samples, one channel of 16 bits; and the picture that is interpolated from

@@ -38,5 +38,10 @@ void sheen_yuyv_develop(uint16_t *rgb, const uint8_t *data, const sheen_pixel_la
                         const sheen_yuv_matrix *m);
 void sheen_nv12_develop(uint16_t *rgb, const uint8_t *data, const sheen_pixel_layout *l,
                         const sheen_yuv_matrix *m);
+// Y', Cb, Cr of each pixel in turn.
+void sheen_ycbcr_develop(uint16_t *rgb, const uint8_t *ycbcr, size_t n_px, const sheen_yuv_matrix *m);
+
+// Grey and RGB of 16 bits in limited range (video levels) are spread to the full one.
+void sheen_pixels_spread_limited(sheen_raster *r);
 
 #endif

@@ -72,6 +72,12 @@ static void put(uint16_t rgb[3], float y_code, float u_code, float v_code, const
     rgb[2] = clip(y + m->u_blue * u);
 }
 
+void sheen_ycbcr_develop(uint16_t *rgb, const uint8_t *ycbcr, size_t n_px, const sheen_yuv_matrix *m)
+{
+    for (size_t i = 0; i < 3 * n_px; i += 3)
+        put(rgb + i, ycbcr[i], ycbcr[i + 1], ycbcr[i + 2], m);
+}
+
 // Chroma stands where every other luma sample does, from the first on; between two of them is their mean.
 void sheen_yuyv_develop(uint16_t *rgb, const uint8_t *data, const sheen_pixel_layout *l,
                         const sheen_yuv_matrix *m)

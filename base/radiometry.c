@@ -6,17 +6,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/image_file.h"
 #include "base/radiometry_private.h"
 
 sheen_status sheen_frame_codes(sheen_raster *out, const sheen_frame_info *f, const void *payload,
                                size_t size_bytes, sheen_err *err)
 {
     const sheen_pixel_layout layout = {f->fourcc, f->width_px, f->height_px, f->stride_bytes, f->color};
-    if (!f->fourcc)
-        return sheen_raster_parse(out, payload, size_bytes, err);
     return sheen_pixels_is_mosaic(f->fourcc) ? sheen_pixels_mosaic(out, payload, size_bytes, &layout, err)
-                                             : sheen_pixels_develop(out, payload, size_bytes, &layout, err);
+                                             : sheen_payload_develop(out, payload, size_bytes, &layout, err);
 }
 
 static const float saturated_from = 0.995f, level_most = 0.5f;

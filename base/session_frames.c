@@ -238,8 +238,7 @@ sheen_status sheen_session_raster(sheen_raster *out, const sheen_session *s, con
     if (st)
         return st;
     const sheen_pixel_layout layout = {f->fourcc, f->width_px, f->height_px, f->stride_bytes, f->color};
-    st = f->fourcc ? sheen_pixels_develop(out, data, size_bytes, &layout, err)
-                   : sheen_raster_parse(out, data, size_bytes, err);
+    st = sheen_payload_develop(out, data, size_bytes, &layout, err);
     free(data);
     if (st)
         return sheen_wrap(err, st, "cannot read frame '%s'", f->name);

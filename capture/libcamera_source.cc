@@ -280,6 +280,8 @@ sheen_status configure(camera &c, sheen_err *err)
     info.height_px = int(stream.size.height);
     info.stride_bytes = info.fourcc ? int(stream.stride) : 0;
     info.color = colorimetry_of(stream);
+    if (!info.fourcc) // what libcamera puts in where USB video says nothing is no word on a JPEG's range
+        info.color.quantization = V4L2_QUANTIZATION_DEFAULT;
     sheen_v4l2_options_color(&info.color, &c.options);
     return SHEEN_OK;
 }

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/image_file.h"
 #include "capture/source_backend.h"
 
 struct sheen_source {
@@ -103,8 +102,7 @@ sheen_status sheen_frame_develop(sheen_raster *out, const sheen_frame *frame, sh
 {
     const sheen_frame_info *f = &frame->info;
     const sheen_pixel_layout layout = {f->fourcc, f->width_px, f->height_px, f->stride_bytes, f->color};
-    return f->fourcc ? sheen_pixels_develop(out, frame->data, frame->size_bytes, &layout, err)
-                     : sheen_raster_parse(out, frame->data, frame->size_bytes, err);
+    return sheen_payload_develop(out, frame->data, frame->size_bytes, &layout, err);
 }
 
 bool sheen_device_is_alike(const char *a, const char *b)

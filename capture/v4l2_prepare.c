@@ -7,7 +7,6 @@
 
 #include <linux/videodev2.h>
 
-#include "base/image_file.h"
 #include "base/pixel_format.h"
 #include "capture/v4l2_error.h"
 
@@ -78,9 +77,7 @@ static sheen_status light_of(float rgb[3], const sheen_v4l2_prepare *p, const sh
     const sheen_v4l2_format *f = &p->stream->format;
     const sheen_pixel_layout layout = {f->fourcc, f->width_px, f->height_px, f->stride_bytes, f->color};
     sheen_raster raster;
-    const sheen_status s = f->needed_bytes
-                               ? sheen_pixels_develop(&raster, frame->data, frame->size_bytes, &layout, err)
-                               : sheen_jpeg_parse(&raster, frame->data, frame->size_bytes, err);
+    const sheen_status s = sheen_payload_develop(&raster, frame->data, frame->size_bytes, &layout, err);
     if (s)
         return s;
     sheen_settle_mean(rgb, &raster, p->transfer);
