@@ -222,6 +222,13 @@ static void a_capture_survives_any_call_that_fails(void **state)
     loop_calls(state, EIO, 0, 0);
 }
 
+static void a_capture_survives_what_passes_by_itself(void **state)
+{
+    loop_calls(state, EINTR, 0, 60);
+    loop_calls(state, EAGAIN, 0, 60);
+    loop_calls(state, ENOSPC, 0, 60);
+}
+
 static void a_capture_survives_an_unplug_at_any_call(void **state)
 {
     loop_calls(state, ENODEV, 3000000000, 60);
@@ -240,6 +247,7 @@ int main(void)
         WITH_SCRATCH(another_camera_at_the_remembered_place_is_told),
         WITH_SCRATCH(nothing_is_reset_before_it_has_worked),
         WITH_SCRATCH(a_capture_survives_any_call_that_fails),
+        WITH_SCRATCH(a_capture_survives_what_passes_by_itself),
         WITH_SCRATCH(a_capture_survives_an_unplug_at_any_call),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

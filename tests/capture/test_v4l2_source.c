@@ -403,7 +403,7 @@ static void loop_recording(void **state, int code)
 
 static void a_recording_survives_any_call_that_fails(void **state)
 {
-    static const int codes[] = {EIO, ENODEV, ENOSPC};
+    static const int codes[] = {EIO, ENODEV, EINTR, EAGAIN, ENOSPC};
     for (size_t i = 0; i < sizeof codes / sizeof *codes; i++)
         loop_recording(state, codes[i]);
 }
