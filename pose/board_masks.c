@@ -6,6 +6,9 @@
 // 2. What was found so gives a histogram of the object's colours, over all photographs.
 // 3. log p(colour | object) - log p(colour | B), held within +-4, averaged over a small box: its sign is the mask; where it is
 //    small all about there is no telling, as of a dark object before a black square.
+//
+// On a turntable the light of a place of the board changes from photograph to photograph. There a colour that could be s B,
+// with s anywhere from a shadow's darkness to a little more than 1 and about the same in all channels, is no evidence.
 #include "pose/board_masks.h"
 
 #include <math.h>
@@ -26,6 +29,9 @@ static const float most_evidence = 4;    // of one pixel, in logarithms of odds
 static const float least_evidence = 1;   // of the surest pixel about one that counts
 static const float least_noise = 0.012f; // of a square root of light, print and resampling included
 static const float far_off = 4;          // in parts of the noise: certainly not the plane
+static const float relit_least = 0.35f, relit_most = 1.2f; // s, of square roots of light
+static const float relit_tint = 0.06f;                     // by which s differs between channels
+static const float relit_share = 0.3f;                     // of the plane's places, on a turntable
 
 // One photograph against the plane.
 typedef struct view_job {
@@ -37,6 +43,7 @@ typedef struct view_job {
     int columns;
     sheen_Rt Rt_board_cam;
     float gain, noise;
+    bool turned;
     const float *colours; // [N_BINS] log density of the object's colours; NULL: not known yet
 } view_job;
 
@@ -121,6 +128,63 @@ static float excess(const view_job *j, const float root[3], const float low[3], 
     return most / j->noise;
 }
 
+// How far the colour is from the plane's in any light, in parts of the noise, and at which share s of its light it is nearest.
+static float relit_excess(float *s_out, const view_job *j, const float root[3], const float low[3],
+                          const float high[3])
+{
+    float along = 0, square = 1e-6f, relit_low[3], relit_high[3];
+    for (int c = 0; c < 3; c++) {
+        const float middle = 0.5f * (low[c] + high[c]);
+        along += root[c] * middle;
+        square += middle * middle;
+    }
+    const float s = fminf(relit_most, fmaxf(relit_least, along / square));
+    for (int c = 0; c < 3; c++) {
+        relit_low[c] = s * (1 - relit_tint) * low[c];
+        relit_high[c] = s * (1 + relit_tint) * high[c];
+    }
+    *s_out = s;
+    return excess(j, root, relit_low, relit_high);
+}
+
+// Logarithm of p(colour | plane): anywhere in the range, with Gaussian noise; and one pixel in a thousand of any colour.
+static float log_plane(const view_job *j, const float root[3], const float low[3], const float high[3])
+{
+    const float z = excess(j, root, low, high);
+    float spread = 1;
+    for (int c = 0; c < 3; c++)
+        spread *= 2.5066f * j->noise + high[c] - low[c];
+    return logf(0.999f * expf(-0.5f * z * z) / spread + 0.001f);
+}
+
+// The same of the plane in any light: as above across the line of s B, and evenly along it.
+static float log_relit_plane(const view_job *j, const float root[3], const float low[3], const float high[3])
+{
+    float s, spread = 1, square = 0, thickness = 0;
+    const float z = relit_excess(&s, j, root, low, high);
+    for (int c = 0; c < 3; c++) {
+        const float wide = 2.5066f * j->noise + s * ((1 + relit_tint) * high[c] - (1 - relit_tint) * low[c]);
+        spread *= wide;
+        thickness += wide / 3;
+        square += 0.25f * (low[c] + high[c]) * (low[c] + high[c]);
+    }
+    const float length = (relit_most - relit_least) * sqrtf(square);
+    return logf(relit_share * expf(-0.5f * z * z) / (spread * fmaxf(1, length / thickness)) + 0.001f);
+}
+
+// For the object where positive, for the plane where negative. NaN: the plane only if its light were another one.
+static float weigh(const view_job *j, const float root[3], const float low[3], const float high[3])
+{
+    const float object = j->colours[bin_of(root)];
+    float evidence = object - log_plane(j, root, low, high);
+    if (j->turned && evidence > 0) {
+        evidence = fminf(evidence, object - log_relit_plane(j, root, low, high));
+        if (evidence < 0)
+            return NAN;
+    }
+    return fminf(most_evidence, fmaxf(-most_evidence, evidence));
+}
+
 // Rows of the evidence, NaN where the plane is not known. Without the object's colours: +-1 where it is certain, else 0.
 static void weigh_rows(void *self, size_t begin, size_t end)
 {
@@ -132,17 +196,14 @@ static void weigh_rows(void *self, size_t begin, size_t end)
             if (!plane_colours(low, high, j, x, (int)y))
                 continue;
             root_of(root, sheen_image_at(j->view->rgb, x, (int)y), j->gain);
-            const float z = excess(j, root, low, high);
             if (!j->colours) {
-                *out = z > far_off ? 1.0f : z < 1 ? -1.0f : 0.0f;
+                float s;
+                const float z = excess(j, root, low, high);
+                const float nearest = j->turned ? fminf(z, relit_excess(&s, j, root, low, high)) : z;
+                *out = nearest > far_off ? 1.0f : z < 1 ? -1.0f : 0.0f;
                 continue;
             }
-            // Anywhere in the range, with Gaussian noise; and one pixel in a thousand of any colour.
-            float spread = 1;
-            for (int c = 0; c < 3; c++)
-                spread *= 2.5066f * j->noise + high[c] - low[c];
-            const float plane = 0.999f * expf(-0.5f * z * z) / spread + 0.001f;
-            *out = fminf(most_evidence, fmaxf(-most_evidence, j->colours[bin_of(root)] - logf(plane)));
+            *out = weigh(j, root, low, high);
         }
 }
 
@@ -310,7 +371,7 @@ static sheen_status finish(sheen_image *mask, sheen_err *err)
 }
 
 sheen_status sheen_board_masks_make(sheen_image *masks, const sheen_camera *camera, const sheen_board *board,
-                                    const sheen_plane_view *views, size_t n_views, int n_threads,
+                                    const sheen_plane_view *views, size_t n_views, bool turned, int n_threads,
                                     sheen_err *err)
 {
     sheen_plane_picture plane;
@@ -324,8 +385,9 @@ sheen_status sheen_board_masks_make(sheen_image *masks, const sheen_camera *came
     if (!s)
         s = make_directions(&directions, &columns, camera, err);
     for (size_t v = 0; v < n_views && !s; v++) {
-        jobs[v] = (view_job){camera,     &plane,  &views[v], &masks[v],
-                             directions, columns, .gain = 1, .noise = least_noise};
+        jobs[v] = (view_job){camera,          &plane,  &views[v], &masks[v],
+                             directions,      columns, .gain = 1, .noise = least_noise,
+                             .turned = turned};
         sheen_Rt Rt_cam_board;
         sheen_Rt_from_rt(&Rt_cam_board, views[v].rt_cam_board);
         sheen_Rt_invert(&jobs[v].Rt_board_cam, &Rt_cam_board);

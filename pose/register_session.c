@@ -115,7 +115,8 @@ static sheen_status make_masks(inputs *in, const sheen_session *s, int n_threads
         memcpy(views[i].rt_cam_board, v->pose->rt_cam_board, sizeof views[i].rt_cam_board);
     }
     if (!st)
-        st = sheen_board_masks_make(masks, &in->camera, &board, views, n, n_threads, err);
+        st = sheen_board_masks_make(masks, &in->camera, &board, views, n, s->moving == SHEEN_MOVING_OBJECT,
+                                    n_threads, err);
     for (size_t i = 0; i < n; i++) {
         if (!st)
             in->seen[i * in->n_seen / n].mask = masks[i];
