@@ -21,6 +21,8 @@ static const double STILL = 0.7;          // share of patches that stayed where 
 static const double MOVING = 0.3;         // and where it did not
 static const double MAX_SCATTER = 6;      // of poses about an axis, in sigmas
 static const double MIN_TURN_RAD = 0.1;
+static const double MOST_TILT_RAD = 0.1; // of the board's plane: twice what a crooked axis comes to
+static const double MOST_RISE = 0.05;    // of the plane's distance
 
 // Mean and standard deviation of the patch of side px at (x, y).
 static void patch_moments(double *mean, double *sigma, const sheen_image *image, int x, int y, int side)
@@ -113,6 +115,32 @@ static sheen_status compare_pair(votes *v, const sheen_camera *camera, const dou
     return s;
 }
 
+// Whether the board's plane, as the camera sees it, is that of the round's first frame.
+static bool same_plane(const sheen_moved_frame *f, const sheen_moved_frame *first)
+{
+    double cosine = 0, distance_m[2] = {0, 0};
+    sheen_Rt Rt[2];
+    sheen_Rt_from_rt(&Rt[0], first->rt_cam_board);
+    sheen_Rt_from_rt(&Rt[1], f->rt_cam_board);
+    for (int k = 0; k < 3; k++) {
+        cosine += Rt[0].R[k][2] * Rt[1].R[k][2];
+        for (int i = 0; i < 2; i++)
+            distance_m[i] += Rt[i].R[k][2] * Rt[i].t[k];
+    }
+    return cosine > cos(MOST_TILT_RAD) &&
+           fabs(distance_m[1] - distance_m[0]) < MOST_RISE * fabs(distance_m[0]);
+}
+
+static void watch_plane(sheen_moved_verdict *out, const sheen_moved_frame *frames, size_t n)
+{
+    size_t first = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (frames[i].round != frames[first].round)
+            first = i;
+        out->off_table = out->off_table || !same_plane(&frames[i], &frames[first]);
+    }
+}
+
 static sheen_status find_axis(sheen_moved_verdict *out, const sheen_moved_frame *frames, size_t n,
                               sheen_err *err)
 {
@@ -128,6 +156,7 @@ static sheen_status find_axis(sheen_moved_verdict *out, const sheen_moved_frame 
         high = fmax(high, frames[i].asked_rad);
     }
     out->table_turned = high - low > MIN_TURN_RAD;
+    watch_plane(out, frames, n);
     const sheen_status s = n >= MIN_AXIS_VIEWS ? sheen_turntable_solve(&table, poses, n, NULL) : SHEEN_EDATA;
     free(poses);
     if (s == SHEEN_ENOMEM)
@@ -159,6 +188,10 @@ static void decide(sheen_moved_verdict *out)
         snprintf(out->reason, sizeof out->reason,
                  "the background stands still in part of the frames only (%.0f %% of %d patches)",
                  100 * out->still, out->n_patches);
+    } else if (out->table_turned && out->off_table) {
+        out->moved = SHEEN_MOVED_BOTH;
+        snprintf(out->reason, sizeof out->reason,
+                 "a table was turned, and yet the board tilts or rises before the camera");
     } else {
         out->moved = turned ? SHEEN_MOVED_OBJECT : SHEEN_MOVED_UNKNOWN;
         snprintf(out->reason, sizeof out->reason, "the background shows nothing to go by; %s", axis);

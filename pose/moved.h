@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // moved.h - what moved between the frames of a session: the camera, or the object on its board.
 //
-// The boards' poses alone say only how camera and board moved against each other. Two things tell more: a table turns
-// about one axis, exactly, which no hand does; and beside the board one sees a background that stands still where the
-// camera does.
+// The boards' poses alone say only how camera and board moved against each other. Three things tell more: a table turns
+// about one axis, exactly, which no hand does; on any table, also one on which the board is shifted by hand, the board's
+// plane stays what it was to a camera that stands still; and beside the board one sees a background that stands still where
+// the camera does.
 #ifndef SHEEN_POSE_MOVED_H
 #define SHEEN_POSE_MOVED_H
 
@@ -39,6 +40,7 @@ typedef struct sheen_moved_verdict {
     sheen_moved moved;
     bool on_axis;      // the poses turn about one axis
     bool table_turned; // commanded angles differ
+    bool off_table;    // the board's plane tilts or rises before the camera within a round, as on no table
     int n_patches;     // of background with anything on it, over all pairs of neighbouring frames
     double still;      // share of them that stayed as they were; NaN where there are too few
     char reason[200];  // one clause for a person

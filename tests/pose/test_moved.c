@@ -90,6 +90,26 @@ static void a_bare_wall_leaves_the_axis(void **state)
     assert_int_equal(judge(&s).moved, SHEEN_MOVED_UNKNOWN);
 }
 
+// Commanded angles alone are not believed: a camera that is carried about sees the board's plane tilt.
+static void a_bare_wall_leaves_the_boards_plane(void **state)
+{
+    (void)state;
+    scene s;
+    make(&s, false, 0, 0);
+    for (int i = 0; i < N; i++)
+        s.frames[i].asked_rad = 0.5 * i;
+    assert_int_equal(judge(&s).moved, SHEEN_MOVED_BOTH);
+    make(&s, true, 0, 0); // turned by hand, and shifted as it was
+    for (int i = 0; i < N; i++) {
+        const double shift[6] = {0, 0, 0, 0.02 * (i % 3), 0.01 * i, 0};
+        double rt[6];
+        sheen_rt_compose(rt, s.frames[i].rt_cam_board, shift);
+        memcpy(s.frames[i].rt_cam_board, rt, sizeof rt);
+        s.frames[i].asked_rad = 0.5 * i;
+    }
+    assert_int_equal(judge(&s).moved, SHEEN_MOVED_OBJECT);
+}
+
 static void both_are_noticed(void **state)
 {
     (void)state;
@@ -130,6 +150,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tells_a_table_from_a_hand),
         cmocka_unit_test(a_bare_wall_leaves_the_axis),
+        cmocka_unit_test(a_bare_wall_leaves_the_boards_plane),
         cmocka_unit_test(both_are_noticed),
         cmocka_unit_test(rounds_are_not_compared),
     };
