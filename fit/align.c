@@ -135,13 +135,10 @@ static void summarize(sheen_align_result *out, sheen_align_state *st)
         sheen_cholesky_invert(inverse, st->A, (int)N);
     for (size_t v = 0; v < st->n_views; v++) {
         sheen_align_view *o = &out->views[v];
-        double moved = 0, left = 0;
-        for (size_t k = 0; k < 6; k++) {
-            moved += pow(st->views[v].moved[k] * st->views[v].px_per[k], 2);
-            if (known)
-                left += inverse[(6 * v + k) * (N + 1)] * pow(st->views[v].px_per[k], 2);
-        }
-        o->moved_px = sqrt(moved);
+        double left = 0;
+        for (size_t k = 0; k < 6 && known; k++)
+            left += inverse[(6 * v + k) * (N + 1)] * pow(st->views[v].px_per[k], 2);
+        o->moved_px = sheen_align_moved_px(&st->views[v]);
         o->sigma_px = known ? sqrt(left) : (double)NAN;
         for (int c = 0; c < 3; c++)
             o->gain[c] = exp(st->views[v].log_gain[c]);
@@ -155,15 +152,18 @@ static void hand_out(sheen_photos *photos, const sheen_align_result *r, const sh
         sheen_rt_from_Rt(photos->photos[v].rt_cam_obj, &st->views[v].Rt_cam_obj);
 }
 
-// Keeps what `st` holds where it lowers the disagreement of the points left out to `worth` of it; else goes back.
+// Keeps what `st` holds where it lowers the disagreement of the points left out by enough and, where it is poses, can be
+// believed; else goes back.
 static sheen_status decide(int *kept, double *error, sheen_align_state *st, const sheen_align_pose *before,
-                           double worth, sheen_err *err)
+                           int of_poses, sheen_err *err)
 {
     double now;
-    const sheen_status s = left_out(st, &now, err);
+    sheen_status s = left_out(st, &now, err);
     if (s)
         return s;
-    *kept = now < worth * *error;
+    *kept = now < (of_poses ? worth_poses : worth_gains) * *error;
+    if (*kept && of_poses && (s = sheen_align_believable(kept, st, before, err)))
+        return s;
     if (*kept)
         *error = now;
     else
@@ -197,12 +197,12 @@ static sheen_status refine(sheen_align_result *out, sheen_align_state *st, sheen
     if (!s && st->o->gains) {
         memcpy(before, st->views, size);
         if (!(s = refine_gains(st, 0, 6, err)) && !(s = refine_gains(st, 2, 3, err)))
-            s = decide(&out->gains_kept, &out->error_after, st, before, worth_gains, err);
+            s = decide(&out->gains_kept, &out->error_after, st, before, 0, err);
     }
     if (!s && st->o->poses) {
         memcpy(before, st->views, size);
         if (!(s = refine_poses(st, out->gains_kept, err)))
-            s = decide(&out->poses_kept, &out->error_after, st, before, worth_poses, err);
+            s = decide(&out->poses_kept, &out->error_after, st, before, 1, err);
     }
     return !s && out->gains_kept && out->poses_kept ? reconsider_gains(out, st, before, err) : s;
 }

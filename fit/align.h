@@ -42,8 +42,8 @@ typedef struct sheen_align_result {
 } sheen_align_result;
 
 // Refines the poses (rt_cam_obj) of *photos, and tells the gains; the pictures stay as they are. Half of the points are used, the other half decides:
-// poses and gains are kept only where they predict it better. scene: of the mesh. ENOMEM, ECANCEL. Where fewer than a
-// few hundred points are seen twice nothing is changed. The result does not depend on n_threads.
+// poses and gains are kept only where they predict it better, and poses only where they can be believed (align_proof.c). scene: of the mesh.
+// ENOMEM, ECANCEL. Where fewer than a few hundred points are seen twice nothing is changed. The result does not depend on n_threads.
 sheen_status sheen_align_photos(sheen_align_result *out, sheen_photos *photos, const sheen_mesh *mesh,
                                 const sheen_scene *scene, const sheen_align_options *options, sheen_err *err);
 void sheen_align_result_release(sheen_align_result *r);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // align_state.h - what aligning photographs works on: every point as every photograph shows it (align.c, align_observe.c,
-// align_solve.c only).
+// align_proof.c, align_solve.c only).
 #ifndef SHEEN_FIT_ALIGN_STATE_H
 #define SHEEN_FIT_ALIGN_STATE_H
 
@@ -67,5 +67,12 @@ sheen_status sheen_align_equations(sheen_align_state *st, sheen_err *err);
 sheen_status sheen_align_move(sheen_align_state *st, double *step_px, sheen_err *err);
 // One step of all gains. ENOMEM.
 sheen_status sheen_align_solve_gains(sheen_align_state *st, sheen_err *err);
+
+// rms motion of the object's points in the picture since the start.
+double sheen_align_moved_px(const sheen_align_pose *v);
+// Whether the poses in st can be better ones than `given`, by how far they went and how far they are agreed on. The
+// finest sampling, all points and the final gains must be in use. ENOMEM, ECANCEL.
+sheen_status sheen_align_believable(int *believable, sheen_align_state *st, const sheen_align_pose *given,
+                                    sheen_err *err);
 
 #endif

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // bench_real.c - real photographs by others, each left out of a fit in turn and predicted: sheen beside the baselines.
 //
-//     bench_real FOLDER [--method NAME] [--folds K] [--size SHARE] [--from NAME] [--to NAME] [--pictures DIR] [--exposures given|agreed]
+//     bench_real FOLDER [--method NAME] [--without NAME,...] [--folds K] [--size SHARE] [--from NAME] [--to NAME]
+//                       [--pictures DIR] [--exposures given|agreed]
 //
 // FOLDER holds cameras.json (per photograph: name, width, height, K, R_world_to_cam, t_world_to_cam; OpenCV axes, pixel corners at
 // 0), images/, one .ply mesh in the cameras' frame, and may hold masks in a folder masks_*/ of any size. Every photograph is resampled to
@@ -28,6 +29,7 @@ typedef struct arguments {
     const char *dir, *from, *to, *pictures;
     sheen_fit_method method;
     int n_folds, agreed;
+    sheen_extensions without;
     double size;
 } arguments;
 
@@ -246,7 +248,7 @@ static void agree_on_exposures(capture *c)
 
 static void run_fold(sheen_evaluation *all, const capture *c, const arguments *a, int fold)
 {
-    const sheen_paper_options o = {0};
+    const sheen_paper_options o = {.without = a->without};
     sheen_comparison comparison = {.dir = a->pictures};
     const sheen_evaluate_options eo = {.picture = a->pictures ? sheen_comparison_add : NULL,
                                        .picture_self = &comparison};
@@ -271,12 +273,12 @@ static void run_fold(sheen_evaluation *all, const capture *c, const arguments *a
         sheen_model model = f.model;
         model.mesh = c->mesh; // lent
         assert_ok(sheen_evaluate(&e, &model, &inputs, &tests, NULL, &eo, &err), err);
-        printf("without %-24s object %.2f dB, median texture %.2f; %zu lamps, sigma %.3f, F0 %.3f; %.0f s, "
-               "%.0f CPU s\n",
+        printf("without %-24s object %.2f dB, median texture %.2f; %zu lamps, sigma %.3f, F0 %.3f, %s poses; "
+               "%.0f s, %.0f CPU s\n",
                tests.photos[0].name, sheen_evaluation_mean(&e, 0).object.srgb_db,
                sheen_evaluation_mean(&e, 1 + SHEEN_BASELINE_MEDIAN).object.srgb_db, f.model.n_lamps,
                f.model.sigma_rad, f.model.surroundings.present ? f.model.surroundings.f0 : 0,
-               end.wall_s - start.wall_s, end.cpu_s - start.cpu_s);
+               f.align.poses_kept ? "aligned" : "given", end.wall_s - start.wall_s, end.cpu_s - start.cpu_s);
         fflush(stdout);
         assert_ok(sheen_evaluation_append(all, &e, &err), err);
         sheen_evaluation_release(&e);
@@ -302,6 +304,8 @@ int main(int argc, char **argv)
         i++;
         if (!strcmp(argv[i - 1], "--method"))
             assert_ok(sheen_fit_method_from_name(&a.method, value, &err), err);
+        else if (!strcmp(argv[i - 1], "--without"))
+            assert_ok(sheen_extensions_parse(&a.without, value, &err), err);
         else if (!strcmp(argv[i - 1], "--folds"))
             a.n_folds = (int)strtol(value, NULL, 10);
         else if (!strcmp(argv[i - 1], "--size"))

@@ -103,6 +103,34 @@ static void right_poses_stay(void **state)
     exact_scene_release(&s);
 }
 
+// Photographs can be made to agree on a surface that is wrong, by sliding over it: poses that were right must not follow.
+static void right_poses_stay_on_a_wrong_mesh(void **state)
+{
+    (void)state;
+    exact_options o;
+    exact_scene s;
+    sheen_align_result r;
+    exact_scene_options(&o, "sigma-.1", 6);
+    o.size = 0.4;
+    exact_scene_make(&s, &o);
+    float centre_obj[3], radius_m;
+    sheen_mesh_sphere(&s.mesh, centre_obj, &radius_m);
+    for (size_t i = 0; i < s.mesh.n_vertices; i++) { // waves that the object has not
+        float *p = s.mesh.p_obj + 3 * i, wave = 0.3f;
+        for (int k = 0; k < 3; k++)
+            wave *= sinf(p[k] / (0.15f * radius_m));
+        for (int k = 0; k < 3; k++)
+            p[k] += wave * (p[k] - centre_obj[k]);
+    }
+    align(&s, &r, &both);
+    print_message("disagreement %.4f -> %.4f, poses off by %.2f px\n", r.error_before, r.error_after,
+                  rms_pose_error_px(&s));
+    assert_true(!r.poses_kept);
+    assert_true(rms_pose_error_px(&s) < 0.01);
+    sheen_align_result_release(&r);
+    exact_scene_release(&s);
+}
+
 static void threads_do_not_change_the_result(void **state)
 {
     (void)state;
@@ -133,6 +161,7 @@ int main(void)
         cmocka_unit_test(poses_come_back),
         cmocka_unit_test(exposures_come_back),
         cmocka_unit_test(right_poses_stay),
+        cmocka_unit_test(right_poses_stay_on_a_wrong_mesh),
         cmocka_unit_test(threads_do_not_change_the_result),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
