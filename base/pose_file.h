@@ -61,6 +61,10 @@ sheen_status sheen_opencv_yaml_parse(sheen_camera *cam, const void *data, size_t
 sheen_status sheen_colmap_cameras_parse(sheen_camera **cameras_out, int **ids_out, size_t *n_cameras,
                                         const void *data, size_t size_bytes, sheen_err *err);
 
+// Whether a file of that kind has a place for the camera's lens.
+bool sheen_transforms_holds(const sheen_camera *cam);
+bool sheen_colmap_holds(const sheen_camera *cam);
+
 // Writes transforms.json (for exports and for tests): one camera, n views.
 sheen_status sheen_transforms_save(const char *path, const sheen_camera *cam, const sheen_view *views,
                                    size_t n_views, sheen_err *err);

@@ -37,21 +37,37 @@ static void quaternion_of(double q[4], double R[3][3])
         q[i] = scale * twice[best][i];
 }
 
-static const char *model_name(const sheen_camera *cam)
+// COLMAP's models that hold a lens of ours: what a smaller one lacks is zero.
+static const struct lens {
+    const char *ours, *name;
+    int n_parameters;
+} lenses[] = {{"LENSMODEL_PINHOLE", "PINHOLE", 4},
+              {"LENSMODEL_OPENCV4", "OPENCV", 8},
+              {"LENSMODEL_OPENCV5", "FULL_OPENCV", 12},
+              {"LENSMODEL_OPENCV8", "FULL_OPENCV", 12}};
+
+static const struct lens *lens_of(const sheen_camera *cam)
 {
-    return !strcmp(cam->lensmodel, "LENSMODEL_PINHOLE")   ? "PINHOLE"
-           : !strcmp(cam->lensmodel, "LENSMODEL_OPENCV4") ? "OPENCV"
-           : !strcmp(cam->lensmodel, "LENSMODEL_OPENCV8") ? "FULL_OPENCV"
-                                                          : NULL;
+    for (size_t i = 0; i < sizeof lenses / sizeof *lenses; i++)
+        if (!strcmp(cam->lensmodel, lenses[i].ours))
+            return &lenses[i];
+    return NULL;
 }
 
-static sheen_status save_camera(const char *dir, const sheen_camera *cam, sheen_err *err)
+bool sheen_colmap_holds(const sheen_camera *cam)
+{
+    return lens_of(cam) != NULL;
+}
+
+static sheen_status save_camera(const char *dir, const sheen_camera *cam, const struct lens *lens,
+                                sheen_err *err)
 {
     sheen_text t = {0};
-    sheen_text_put(&t, "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n1 %s %d %d", model_name(cam), cam->width_px,
+    sheen_text_put(&t, "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n1 %s %d %d", lens->name, cam->width_px,
                    cam->height_px);
-    for (int i = 0; i < cam->n_intrinsics; i++)
-        sheen_text_put(&t, " %.17g", cam->intrinsics[i] + (i == 2 || i == 3 ? 0.5 : 0));
+    for (int i = 0; i < lens->n_parameters; i++)
+        sheen_text_put(&t, " %.17g",
+                       i >= cam->n_intrinsics ? 0 : cam->intrinsics[i] + (i == 2 || i == 3 ? 0.5 : 0));
     sheen_text_put(&t, "\n");
     return save(&t, dir, "cameras.txt", err);
 }
@@ -87,14 +103,15 @@ sheen_status sheen_colmap_save(const char *dir, const sheen_camera *cam, const s
                                size_t n_views, const float *p_world, const uint8_t *rgb, size_t n_points,
                                sheen_err *err)
 {
-    if (!model_name(cam))
+    const struct lens *lens = lens_of(cam);
+    if (!lens)
         return sheen_fail(err, SHEEN_EUNSUP, "cannot write '%s': COLMAP has no name for the lens model '%s'",
                           dir, cam->lensmodel);
     sheen_status s = sheen_camera_check(cam, err);
     if (!s)
         s = sheen_dir_make(dir, err);
     if (!s)
-        s = save_camera(dir, cam, err);
+        s = save_camera(dir, cam, lens, err);
     if (!s)
         s = save_views(dir, views, n_views, err);
     return s ? s : save_points(dir, p_world, rgb, n_points, err);

@@ -276,10 +276,15 @@ static void put_view(sheen_json_writer *w, const sheen_view *view)
     sheen_json_close(w);
 }
 
+bool sheen_transforms_holds(const sheen_camera *cam)
+{
+    return !strcmp(cam->lensmodel, "LENSMODEL_PINHOLE") || !strcmp(cam->lensmodel, "LENSMODEL_OPENCV4");
+}
+
 sheen_status sheen_transforms_save(const char *path, const sheen_camera *cam, const sheen_view *views,
                                    size_t n_views, sheen_err *err)
 {
-    if (strcmp(cam->lensmodel, "LENSMODEL_PINHOLE") != 0 && strcmp(cam->lensmodel, "LENSMODEL_OPENCV4") != 0)
+    if (!sheen_transforms_holds(cam))
         return sheen_fail(err, SHEEN_EUNSUP,
                           "cannot write '%s': transforms.json has no place for the lens model '%s'", path,
                           cam->lensmodel);

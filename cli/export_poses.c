@@ -53,13 +53,19 @@ static sheen_status put_picture(char name[sizeof((sheen_view *)0)->file], const 
     return st;
 }
 
-// Input and scoring frames that have a pose, and their pictures in dir.
-static sheen_status gather(posed *out, const sheen_session *s, const char *dir, const sheen_camera *cam,
-                           const sheen_camera *straight, const sheen_progress *progress, sheen_err *err)
+// Input and scoring frames that have a pose, and their pictures in dir: as they are where the file has a place for the
+// lens, otherwise straightened. *written is the camera that belongs to them.
+static sheen_status gather(posed *out, sheen_camera *written, const sheen_session *s, const char *dir,
+                           const sheen_cli_view *v, bool holds, const sheen_progress *progress,
+                           sheen_err *err)
 {
+    static const int own_size_px[2] = {0, 0};
     sheen_poses poses;
     *out = (posed){.count = 0};
-    sheen_status st = sheen_poses_load(&poses, s, err);
+    *written = v->camera;
+    sheen_status st = holds ? SHEEN_OK : sheen_cli_view_pinhole(written, v, own_size_px, err);
+    if (!st)
+        st = sheen_poses_load(&poses, s, err);
     if (st)
         return st;
     out->views = calloc(poses.n_poses + 1, sizeof *out->views);
@@ -72,7 +78,7 @@ static sheen_status gather(posed *out, const sheen_session *s, const char *dir, 
         sheen_view *view = &out->views[out->count];
         st = sheen_progress_step(progress, "pictures", (int)i, (int)poses.n_poses, err);
         if (!st)
-            st = put_picture(view->file, s, f, dir, cam, straight, err);
+            st = put_picture(view->file, s, f, dir, &v->camera, holds ? NULL : written, err);
         snprintf(view->name, sizeof view->name, "%s", f->name);
         memcpy(view->rt_cam_world, poses.poses[i].rt_cam_board, sizeof view->rt_cam_world);
         out->count += !st;
@@ -85,11 +91,17 @@ static sheen_status gather(posed *out, const sheen_session *s, const char *dir, 
     return st;
 }
 
-static void say(sheen_cli *cli, const char *output, size_t n)
+static void say(sheen_cli *cli, const char *output, size_t n, const sheen_camera *written,
+                const sheen_camera *own)
 {
     sheen_cli_clear_bar(cli);
     sheen_cli_say(cli, "%s: %zu picture%s with poses in the board's frame, metres", output, n,
                   sheen_cli_plural(n));
+    const bool straightened = strcmp(written->lensmodel, own->lensmodel) != 0;
+    if (straightened)
+        sheen_cli_say(cli, "its pictures are straightened: files of its kind have no place for the lens %s",
+                      own->lensmodel);
+    sheen_json_put_bool(&cli->out, "straightened", straightened);
     sheen_json_put_string(&cli->out, "made", output);
     sheen_json_put_int(&cli->out, "views", (long long)n);
 }
@@ -104,14 +116,8 @@ sheen_status sheen_export_transforms(sheen_cli *cli, const sheen_export_args *a,
     const int n = snprintf(dir, sizeof dir, "%.*simages", (int)parent, a->output);
     if (n < 0 || n >= SHEEN_PATH_MAX)
         return sheen_fail(err, SHEEN_EARG, "the path '%.80s...' is too long", a->output);
-    // transforms.json has no place for other lenses than these: their pictures are straightened.
-    sheen_camera straight;
-    const bool known = !strcmp(v->camera.lensmodel, "LENSMODEL_PINHOLE") ||
-                       !strcmp(v->camera.lensmodel, "LENSMODEL_OPENCV4");
-    static const int own_size_px[2] = {0, 0};
-    sheen_status st = sheen_cli_view_pinhole(&straight, v, own_size_px, err);
-    if (!st)
-        st = gather(&p, s, dir, &v->camera, known ? NULL : &straight, &progress, err);
+    sheen_camera written;
+    sheen_status st = gather(&p, &written, s, dir, v, sheen_transforms_holds(&v->camera), &progress, err);
     if (st)
         return st;
     for (size_t i = 0; i < p.count; i++) {
@@ -119,15 +125,16 @@ sheen_status sheen_export_transforms(sheen_cli *cli, const sheen_export_args *a,
         snprintf(file, sizeof file, "images/%.500s", p.views[i].file);
         memcpy(p.views[i].file, file, sizeof file);
     }
-    st = sheen_transforms_save(a->output, known ? &v->camera : &straight, p.views, p.count, err);
+    st = sheen_transforms_save(a->output, &written, p.views, p.count, err);
     if (!st)
-        say(cli, a->output, p.count);
+        say(cli, a->output, p.count, &written, &v->camera);
     free(p.views);
     return st;
 }
 
 // The mesh's vertices as COLMAP's points, so that what begins from them has some.
-static sheen_status save_colmap(const char *dir, const sheen_cli_view *v, const posed *p, sheen_err *err)
+static sheen_status save_colmap(const char *dir, const sheen_cli_view *v, const sheen_camera *written,
+                                const posed *p, sheen_err *err)
 {
     const sheen_mesh *mesh = &v->model.mesh;
     uint8_t *rgba;
@@ -149,7 +156,7 @@ static sheen_status save_colmap(const char *dir, const sheen_cli_view *v, const 
                 rgb[3 * i + k] = rgba[4 * i + k];
             }
         }
-        st = sheen_colmap_save(dir, &v->camera, p->views, p->count, p_board, rgb, mesh->n_vertices, err);
+        st = sheen_colmap_save(dir, written, p->views, p->count, p_board, rgb, mesh->n_vertices, err);
     }
     free(rgba);
     free(p_board);
@@ -162,17 +169,18 @@ sheen_status sheen_export_colmap(sheen_cli *cli, const sheen_export_args *a, con
 {
     char images[SHEEN_PATH_MAX], sparse[SHEEN_PATH_MAX];
     const sheen_progress progress = sheen_cli_progress(cli);
+    sheen_camera written;
     posed p;
     sheen_status st = sheen_path_join(images, a->output, "images", err);
     if (!st)
         st = sheen_path_join(sparse, a->output, "sparse/0", err);
     if (!st)
-        st = gather(&p, s, images, &v->camera, NULL, &progress, err);
+        st = gather(&p, &written, s, images, v, sheen_colmap_holds(&v->camera), &progress, err);
     if (st)
         return st;
-    st = save_colmap(sparse, v, &p, err);
+    st = save_colmap(sparse, v, &written, &p, err);
     if (!st)
-        say(cli, a->output, p.count);
+        say(cli, a->output, p.count, &written, &v->camera);
     free(p.views);
     return st;
 }

@@ -274,9 +274,16 @@ static void colmap_round_trip(void **state)
         for (int k = 0; k < 6; k++)
             assert_close(back.views[i].rt_cam_world[k], rt[i][k], 1e-9);
     sheen_pose_file_release(&back);
+    // a smaller model is a larger one with zeros; what has no place is refused
     memcpy(cam.lensmodel, "LENSMODEL_OPENCV5", sizeof "LENSMODEL_OPENCV5");
     cam.n_intrinsics = 9;
-    assert_fails(sheen_colmap_save(dir, &cam, views, 3, points, rgb, 2, &err), err, SHEEN_EUNSUP, "OPENCV5");
+    assert_ok(sheen_colmap_save(dir, &cam, views, 3, points, rgb, 2, &err), err);
+    assert_ok(sheen_pose_file_load(&back, dir, &err), err);
+    for (int i = 0; i < 12; i++)
+        assert_close(back.cameras[0].intrinsics[i], i < 9 ? cam.intrinsics[i] : 0, 1e-12);
+    sheen_pose_file_release(&back);
+    memcpy(cam.lensmodel, "LENSMODEL_CAHVOR", sizeof "LENSMODEL_CAHVOR");
+    assert_fails(sheen_colmap_save(dir, &cam, views, 3, points, rgb, 2, &err), err, SHEEN_EUNSUP, "CAHVOR");
 }
 
 static void opencv_and_ros_yaml(void **state)

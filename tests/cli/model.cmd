@@ -44,3 +44,8 @@ ls x.png x.glb
 sheen render one --view 0,30 --size 64x48 -o one.png
 @ sheen export one -o one.glb
 @ sheen export one -o one.obj
+
+# lenses for which a format has a place, and those for which pictures are straightened
+@ lens() { cp -r one $1; sed -i "s/PINHOLE/$2/; s/23.5,\]/23.5, $3]/" $1/camera.cameramodel; }; lens five OPENCV5 "0.01, 0, 0.001, 0, 0.002"; lens eight OPENCV8 "0.01, 0, 0.001, 0, 0.002, 0, 0.003, 0"; lens cahvor CAHVOR "0, 0, 0, 0.01, 0"; lens splined SPLINED_STEREOGRAPHIC_order=3_Nx=4_Ny=4_fov_x_deg=40 "$(yes 0.01, | head -n 32 | tr -d '\n')"
+for k in one five eight cahvor splined; do sheen export $k -o $k/out/colmap/; tail -n 1 $k/out/colmap/sparse/0/cameras.txt; done
+for k in one five eight cahvor splined; do sheen export $k -o $k/out/transforms.json; grep -E 'camera_model|"k1"' $k/out/transforms.json; done
