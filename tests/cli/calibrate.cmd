@@ -8,6 +8,8 @@
 sheen calibrate few --board board.json
 sheen calibrate blank --board board.json
 sheen calibrate all --board other.json
+@ sed 's/tag36h11/tag25h9/' board.json > family.json
+sheen calibrate all --board family.json
 sheen calibrate mixed --board board.json
 sheen calibrate alike --board board.json > said; echo "exit code $?"
 tail -1 said | sed 's/.*: //'
