@@ -6,12 +6,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+// Room for each sample's p_cam, q_px, dq_dp.
+enum { PER_SAMPLE = 3 + 2 + 6 };
+
 // How far beside an edge the picture is looked at, on both sides: one must be covered, the other empty.
 static const double BESIDE_PX = 1.5;
 
 void sheen_outline_release(sheen_outline *outline)
 {
     free(outline->samples);
+    free(outline->sample_room);
     free(outline->cover);
     free(outline->p_cam);
     free(outline->p_board);
@@ -25,13 +29,12 @@ static sheen_status make_room(sheen_outline *out, size_t n_vertices, const sheen
     if (n_vertices > out->n_vertices) {
         free(out->p_cam);
         free(out->p_board);
-        out->p_cam = malloc(n_vertices * 11 * sizeof *out->p_cam);
+        out->p_cam = malloc(n_vertices * 5 * sizeof *out->p_cam);
         out->p_board = malloc(n_vertices * 3 * sizeof *out->p_board);
         out->n_vertices = out->p_cam && out->p_board ? n_vertices : 0;
         if (!out->n_vertices)
-            return sheen_fail_memory(err, (double)n_vertices * 100, "an outline");
+            return sheen_fail_memory(err, (double)n_vertices * 52, "an outline");
         out->q_px = out->p_cam + 3 * n_vertices;
-        out->dq_dp = out->p_cam + 5 * n_vertices;
     }
     if (n_pixels > out->cover_capacity) {
         free(out->cover);
@@ -63,8 +66,8 @@ static sheen_status project(sheen_outline *out, const sheen_outline_mesh *mesh,
             out->p_board[3 * i + c] = (float)p[c];
         sheen_Rt_point(out->p_cam + 3 * i, &canvas->Rt_cam_board, p);
     }
-    const sheen_status s = sheen_camera_project(canvas->camera, out->q_px, out->dq_dp, out->p_cam,
-                                                mesh->n_vertices, err);
+    const sheen_status s = sheen_camera_project(canvas->camera, out->q_px, NULL, out->p_cam, mesh->n_vertices,
+                                                err);
     for (size_t i = 0; i < 2 * mesh->n_vertices && !s; i++)
         out->q_px[i] = canvas->factor * (out->q_px[i] + 0.5) - 0.5;
     return s;
@@ -162,8 +165,8 @@ static bool turns_away(const sheen_outline *o, const sheen_outline_mesh *mesh, c
     return (area[0] > 0) != (area[1] > 0);
 }
 
-static sheen_status add_sample(sheen_outline *out, const sheen_outline_canvas *canvas, const uint32_t *edge,
-                               double share, const double n_px[2], sheen_err *err)
+static sheen_status add_sample(sheen_outline *out, const uint32_t *edge, double share, const double n_px[2],
+                               sheen_err *err)
 {
     if (out->n_samples == out->sample_capacity) {
         const size_t capacity = 2 * out->sample_capacity + 256;
@@ -172,6 +175,11 @@ static sheen_status add_sample(sheen_outline *out, const sheen_outline_canvas *c
             return sheen_fail_memory(err, (double)capacity * sizeof *grown, "an outline");
         out->samples = grown;
         out->sample_capacity = capacity;
+        free(out->sample_room);
+        out->sample_room = malloc(capacity * PER_SAMPLE * sizeof *out->sample_room);
+        if (!out->sample_room)
+            return sheen_fail_memory(err, (double)(capacity * PER_SAMPLE) * sizeof *out->sample_room,
+                                     "an outline");
     }
     sheen_outline_sample *s = &out->samples[out->n_samples++];
     const size_t a = edge[0], b = edge[1];
@@ -182,20 +190,31 @@ static sheen_status add_sample(sheen_outline *out, const sheen_outline_canvas *c
     for (size_t c = 0; c < 3; c++)
         s->p_board[c] = (1 - share) * (double)out->p_board[3 * a + c] +
                         share * (double)out->p_board[3 * b + c];
-    for (size_t k = 0; k < 2; k++)
-        for (size_t c = 0; c < 3; c++) {
-            double sum = 0;
-            for (size_t j = 0; j < 3; j++)
-                sum += ((1 - share) * out->dq_dp[6 * a + 3 * k + j] + share * out->dq_dp[6 * b + 3 * k + j]) *
-                       canvas->Rt_cam_board.R[j][c];
-            s->dq_dboard[3 * k + c] = canvas->factor * sum;
-        }
     return SHEEN_OK;
 }
 
+// How the samples follow their points: of samples alone, since vertices are many times as many.
+static sheen_status follow(sheen_outline *out, const sheen_outline_canvas *canvas, sheen_err *err)
+{
+    const size_t n = out->n_samples;
+    double *p_cam = out->sample_room, *q_px = p_cam + 3 * n, *dq_dp = p_cam + 5 * n;
+    for (size_t i = 0; i < n; i++)
+        sheen_Rt_point(p_cam + 3 * i, &canvas->Rt_cam_board, out->samples[i].p_board);
+    const sheen_status st = n ? sheen_camera_project(canvas->camera, q_px, dq_dp, p_cam, n, err) : SHEEN_OK;
+    for (size_t i = 0; i < n && !st; i++)
+        for (size_t k = 0; k < 2; k++)
+            for (size_t c = 0; c < 3; c++) {
+                double sum = 0;
+                for (size_t j = 0; j < 3; j++)
+                    sum += dq_dp[6 * i + 3 * k + j] * canvas->Rt_cam_board.R[j][c];
+                out->samples[i].dq_dboard[3 * k + c] = canvas->factor * sum;
+            }
+    return st;
+}
+
 // Samples of one edge; *carry is the length since the last sample, over all edges.
-static sheen_status sample_edge(sheen_outline *out, const sheen_outline_canvas *canvas, const uint32_t *edge,
-                                double spacing_px, double *carry, sheen_err *err)
+static sheen_status sample_edge(sheen_outline *out, const uint32_t *edge, double spacing_px, double *carry,
+                                sheen_err *err)
 {
     const double *a = out->q_px + 2 * (size_t)edge[0], *b = out->q_px + 2 * (size_t)edge[1];
     const double dx = b[0] - a[0], dy = b[1] - a[1], length = hypot(dx, dy);
@@ -214,7 +233,7 @@ static sheen_status sample_edge(sheen_outline *out, const sheen_outline_canvas *
             n[0] = -n[0];
             n[1] = -n[1];
         }
-        const sheen_status s = add_sample(out, canvas, edge, at / length, n, err);
+        const sheen_status s = add_sample(out, edge, at / length, n, err);
         if (s)
             return s;
         out->samples[out->n_samples - 1].length_px = spacing_px;
@@ -237,6 +256,6 @@ sheen_status sheen_outline_draw(sheen_outline *out, const sheen_outline_mesh *me
     draw(out, mesh);
     for (size_t i = 0; i < mesh->n_edges && !s; i++)
         if (turns_away(out, mesh, mesh->edges + 4 * i))
-            s = sample_edge(out, canvas, mesh->edges + 4 * i, spacing_px, &carry, err);
-    return s;
+            s = sample_edge(out, mesh->edges + 4 * i, spacing_px, &carry, err);
+    return s ? s : follow(out, canvas, err);
 }

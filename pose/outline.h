@@ -66,7 +66,7 @@ typedef struct sheen_outline {
     int box_px[4]; // of the cover: x0 y0 x1 y1, ends exclusive; empty where nothing is covered
     // scratch
     size_t n_vertices, sample_capacity, cover_capacity;
-    double *p_cam, *q_px, *dq_dp;
+    double *p_cam, *q_px, *sample_room;
     float *p_board;
 } sheen_outline;
 

@@ -12,7 +12,17 @@
 #include "pose/pose_tangent.h"
 #include "pose/register_pictures.h"
 
-enum { N_YAWS = 24, SEARCH_VIEWS = 6, FULL_VIEWS = 16, COARSE_CELLS = 24, KEEP = 6, FINALISTS = 3 };
+enum {
+    N_YAWS = 24,
+    SEARCH_VIEWS = 6,
+    FULL_VIEWS = 16,
+    CRUDE_CELLS = 12,
+    COARSE_CELLS = 24,
+    FINE_CELLS = 64,
+    KEEP_CRUDE = 30,
+    KEEP = 6,
+    FINALISTS = 3
+};
 
 static const double PI = 3.14159265358979323846;
 static const double SEARCH_SIZE_PX = 90;
@@ -23,6 +33,8 @@ static const double AMBIGUOUS_FACTOR[2] = {
 static const double POOR_SHARE[2] = {0.02, 0.05}; // of the object's size in the picture; of rough masks
 static const double POOR_OVERLAP[2] = {0.9, 0.8};
 static const double POOR_FOUND = 0.7;
+static const double RULED_OUT = 4;         // times the best one's misfit in small pictures: never the place
+static const double SMALL_BORDER_PX = 0.3; // a misfit that small pictures alone may make
 static const double MAX_SIGMA_RAD = 0.3 * 3.14159265358979323846 / 180;
 static const double KNOWN_UNIT = 0.03; // the scale is a unit's when it is this near to it
 
@@ -57,12 +69,15 @@ typedef struct candidate {
 
 typedef struct search {
     const sheen_register_options *options;
-    sheen_outline_mesh full, coarse;
+    sheen_outline_mesh full, fine, coarse, crude; // all but the first for small pictures
+    const sheen_outline_mesh *sliding;            // the one of these that starts slide with
     sheen_register_pictures small;
     double centre_obj[3], radius_obj;
     double low_obj[3], high_obj[3];
     candidate *starts;
     size_t n_starts;
+    candidate left; // the best of those that small pictures ruled out
+    bool has_left;
     sheen_status status; // of the parallel part
     sheen_err err;
 } search;
@@ -183,7 +198,7 @@ static void slide(void *self, size_t begin, size_t end)
     for (size_t i = begin; i < end; i++) {
         sheen_err err = {0};
         candidate *c = &s->starts[i];
-        const sheen_status st = sheen_outline_fit(&c->placement, &c->misfit, &s->coarse, &views,
+        const sheen_status st = sheen_outline_fit(&c->placement, &c->misfit, s->sliding, &views,
                                                   s->centre_obj, &o, &err);
         c->alive = !st;
         if (st && st != SHEEN_EDATA)
@@ -272,7 +287,11 @@ static sheen_status prepare(search *s, const sheen_mesh *mesh, const sheen_regis
         return sheen_fail(err, SHEEN_EARG, "the mesh has no size, or one that is not finite");
     sheen_status st = sheen_outline_mesh_make(&s->full, mesh, err);
     if (!st)
+        st = sheen_outline_mesh_coarsen(&s->fine, &s->full, FINE_CELLS, err);
+    if (!st)
         st = sheen_outline_mesh_coarsen(&s->coarse, &s->full, COARSE_CELLS, err);
+    if (!st)
+        st = sheen_outline_mesh_coarsen(&s->crude, &s->full, CRUDE_CELLS, err);
     if (!st && !s->coarse.n_triangles)
         st = sheen_fail(err, SHEEN_EARG, "the mesh has no surface");
     return st;
@@ -281,7 +300,9 @@ static sheen_status prepare(search *s, const sheen_mesh *mesh, const sheen_regis
 static void release(search *s)
 {
     sheen_outline_mesh_release(&s->full);
+    sheen_outline_mesh_release(&s->fine);
     sheen_outline_mesh_release(&s->coarse);
+    sheen_outline_mesh_release(&s->crude);
     sheen_register_pictures_release(&s->small);
     free(s->starts);
 }
@@ -416,41 +437,72 @@ static sheen_status report(sheen_registration *out, search *s, size_t n, const s
     out->misfit.border_px /= full->factor;
     out->misfit.rms_px /= full->factor;
     out->height_m = lowest_m(s, &best->placement);
-    judge(out, s, best, n > 1 ? &s->starts[1] : NULL, full);
+    s->left.misfit.border_px *= full->factor / s->small.factor;
+    judge(out, s, best, n > 1 ? &s->starts[1] : s->has_left ? &s->left : NULL, full);
+    return SHEEN_OK;
+}
+
+// How many are worth full pictures.
+static size_t finalists(search *s, size_t n)
+{
+    size_t kept = n < FINALISTS ? n : FINALISTS;
+    while (kept > 1 && s->starts[kept - 1].misfit.border_px >
+                           RULED_OUT * fmax(s->starts[0].misfit.border_px, SMALL_BORDER_PX))
+        kept--;
+    s->has_left = kept < n;
+    if (s->has_left)
+        s->left = s->starts[kept];
+    return kept;
+}
+
+// Slides the first n starts with a mesh; n becomes how many places they came to, best first, at most `keep`.
+static sheen_status slide_all(search *s, size_t *n, const sheen_outline_mesh *mesh, size_t keep,
+                              sheen_err *err)
+{
+    const size_t portion = 8;
+    sheen_status st = SHEEN_OK;
+    s->sliding = mesh->n_triangles ? mesh : &s->coarse;
+    for (size_t i = 0; i < *n && !st; i += portion * 4) { // in parts, so that it can be stopped
+        const size_t count = *n - i < portion * 4 ? *n - i : portion * 4;
+        search part = *s;
+        part.starts = s->starts + i;
+        sheen_parallel_for(count, portion, s->options->n_threads, slide, &part);
+        st = part.status
+                 ? sheen_fail(err, part.status, "cannot draw outlines")
+                 : sheen_progress_step(&s->options->progress, "starts", (int)(i + count), (int)*n, err);
+    }
+    if (st)
+        return st;
+    qsort(s->starts, *n, sizeof *s->starts, by_misfit);
+    *n = drop_doubles(s, s->starts, *n);
+    *n = *n < keep ? *n : keep;
     return SHEEN_OK;
 }
 
 static sheen_status search_small(search *s, size_t *n, sheen_err *err)
 {
-    const size_t portion = 8;
     sheen_status st = make_starts(s, err);
-    for (size_t i = 0; i < s->n_starts && !st; i += portion * 4) { // in parts, so that it can be stopped
-        const size_t count = s->n_starts - i < portion * 4 ? s->n_starts - i : portion * 4;
-        search part = *s;
-        part.starts = s->starts + i;
-        sheen_parallel_for(count, portion, s->options->n_threads, slide, &part);
-        st = part.status ? sheen_fail(err, part.status, "cannot draw outlines")
-                         : sheen_progress_step(&s->options->progress, "starts", (int)(i + count),
-                                               (int)s->n_starts, err);
-    }
+    *n = s->n_starts;
+    if (!st)
+        st = slide_all(s, n, &s->crude, KEEP_CRUDE, err);
+    if (!st)
+        st = slide_all(s, n, &s->coarse, KEEP, err);
     if (st)
         return st;
-    qsort(s->starts, s->n_starts, sizeof *s->starts, by_misfit);
-    *n = drop_doubles(s, s->starts, s->n_starts);
-    *n = *n < KEEP ? *n : KEEP;
     // on the board first, then free
     sheen_outline_fit_options o = {.free = {false, false, true, true, true, false, !(s->options->unit_m > 0)},
                                    .pivot_on_board = true,
                                    .reach_px = 15,
                                    .spacing_px = 1,
                                    .max_steps = 12};
-    st = fit_all(s, n, &s->full, &s->small, &o, err);
+    st = fit_all(s, n, &s->fine, &s->small, &o, err);
     o.free[0] = o.free[1] = o.free[5] = true;
     o.pivot_on_board = false;
     o.reach_px = 8;
     if (!st)
-        st = fit_all(s, n, &s->full, &s->small, &o, err);
-    *n = *n < FINALISTS ? *n : FINALISTS;
+        st = fit_all(s, n, &s->fine, &s->small, &o, err);
+    if (!st)
+        *n = finalists(s, *n);
     return st;
 }
 
