@@ -22,6 +22,8 @@ enum { ALONG_A, ALONG_B, DISTANCE, RADIUS, STRENGTH };
 
 // A lamp's derivative below this light is not worth its time.
 static const float negligible_lin = 1e-4f;
+// Lamps that stay where they are cast a shadow on a sample to which they add this much.
+static const float worth_a_ray_lin = 2e-5f;
 static const float narrow_share = 0.4f;                        // of sigma
 static const float max_radius_rad = 0.4f, max_nearness = 0.8f; // object's radius over the lamp's distance
 
@@ -112,6 +114,13 @@ static void respond(float *response, const sheen_lamp_points *points, size_t beg
     }
 }
 
+static void towards(float out[3], const sheen_lamp *lamp, const float x_m[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = lamp->direction_world[k] - lamp->inverse_distance_per_m * x_m[k];
+    sheen_normalizef(out);
+}
+
 static void hide_piece(void *self, size_t begin, size_t end)
 {
     fit *f = self;
@@ -128,10 +137,7 @@ static void hide_piece(void *self, size_t begin, size_t end)
                 if (response[l] * luminance_of(&f->lamps[l]) < negligible_lin)
                     continue;
                 f->near[i] = 1;
-                for (int k = 0; k < 3; k++)
-                    to_lamp[k] = f->lamps[l].direction_world[k] -
-                                 f->lamps[l].inverse_distance_per_m * s->x_m[k];
-                sheen_normalizef(to_lamp);
+                towards(to_lamp, &f->lamps[l], s->x_m);
                 if (f->o.hidden)
                     f->hidden[i * f->n + l] = (uint8_t)f->o.hidden(f->o.hidden_self, s, to_lamp);
             }
@@ -423,38 +429,69 @@ done:
     return s;
 }
 
-typedef struct prediction {
-    const fit *f;
-    float *out;
-} prediction;
+typedef struct light_job {
+    const sheen_lamp *lamps;
+    size_t n;
+    const sheen_lobe_shape *lobe;
+    const sheen_lamp_samples *samples;
+    const sheen_lamp_fit_options *o;
+    sheen_lamp_points points;
+    float *light;     // [count][n], or
+    float *predicted; // [count], their sum
+} light_job;
 
-static void predict_piece(void *self, size_t begin, size_t end)
+// A sample's light[n]: where a lamp adds what is worth a ray, the mesh is asked.
+static void light_at(float *light, const light_job *j, const sheen_lamp_sample *s)
 {
-    const prediction *p = self;
-    const fit *f = p->f;
-    for (size_t i = begin; i < end; i++) {
-        const sheen_lamp_sample *s = &f->samples->at[i];
-        float response[SHEEN_LAMP_FIT_MAX];
-        respond(response, &f->points, 0, f->n, &f->lobe, s);
-        p->out[i] = (float)predict(f, i, response);
+    respond(light, &j->points, 0, j->n, j->lobe, s);
+    for (size_t l = 0; l < j->n; l++) {
+        float to_lamp[3];
+        light[l] *= luminance_of(&j->lamps[l]);
+        if (!j->o->hidden || light[l] < worth_a_ray_lin)
+            continue;
+        towards(to_lamp, &j->lamps[l], s->x_m);
+        if (j->o->hidden(j->o->hidden_self, s, to_lamp))
+            light[l] = 0;
     }
+}
+
+static void light_samples(void *self, size_t begin, size_t end)
+{
+    const light_job *j = self;
+    for (size_t i = begin; i < end; i++) {
+        float own[SHEEN_LAMP_FIT_MAX], sum = 0;
+        light_at(j->light ? j->light + i * j->n : own, j, &j->samples->at[i]);
+        for (size_t l = 0; l < j->n && !j->light; l++)
+            sum += own[l];
+        if (!j->light)
+            j->predicted[i] = sum;
+    }
+}
+
+static sheen_status light_all(light_job *j, sheen_err *err)
+{
+    assert(j->n <= SHEEN_LAMP_FIT_MAX);
+    const sheen_status s = sheen_lamp_points_init(&j->points, j->lamps, j->n, j->lobe->sigma_rad, err);
+    if (!s)
+        sheen_parallel_for(j->samples->count, PIECE, j->o->n_threads, light_samples, j);
+    sheen_lamp_points_release(&j->points);
+    return s;
+}
+
+sheen_status sheen_lamp_light(float *light, const sheen_lamp *lamps, size_t n, const sheen_lobe_shape *lobe,
+                              const sheen_lamp_samples *samples, const sheen_lamp_fit_options *options,
+                              sheen_err *err)
+{
+    light_job j = {.lamps = lamps, .n = n, .lobe = lobe, .samples = samples, .o = options, .light = light};
+    return light_all(&j, err);
 }
 
 sheen_status sheen_lamp_predict(float *predicted, const sheen_lamp *lamps, size_t n,
                                 const sheen_lobe_shape *lobe, const sheen_lamp_samples *samples,
                                 const sheen_lamp_fit_options *options, sheen_err *err)
 {
-    sheen_lamp own[SHEEN_LAMP_FIT_MAX];
-    assert(n <= SHEEN_LAMP_FIT_MAX);
-    memcpy(own, lamps, n * sizeof *own);
-    fit f = {.lamps = own, .n = n, .lobe = *lobe, .samples = samples, .o = *options};
-    const sheen_status s = prepare(&f, err);
-    prediction p = {&f, predicted};
-    memset(predicted, 0, samples->count * sizeof *predicted);
-    if (!s)
-        sheen_parallel_for(samples->count, PIECE, options->n_threads, predict_piece, &p);
-    release(&f);
-    return s;
+    light_job j = {lamps, n, lobe, samples, options, .predicted = predicted};
+    return light_all(&j, err);
 }
 
 // Gram matrix and right sides of the colours' least squares.

@@ -40,6 +40,11 @@ sheen_status sheen_lamp_predict(float *predicted, const sheen_lamp *lamps, size_
                                 const sheen_lobe_shape *lobe, const sheen_lamp_samples *samples,
                                 const sheen_lamp_fit_options *options, sheen_err *err);
 
+// The same lamp by lamp: light[count][n], what each adds; where the mesh hides it 0. ENOMEM.
+sheen_status sheen_lamp_light(float *light, const sheen_lamp *lamps, size_t n, const sheen_lobe_shape *lobe,
+                              const sheen_lamp_samples *samples, const sheen_lamp_fit_options *options,
+                              sheen_err *err);
+
 // r_s, held at 0 where the sample is clipped and the model is not darker.
 static inline double sheen_lamp_residual(const sheen_lamp_sample *s, double predicted)
 {

@@ -25,6 +25,7 @@ typedef struct search {
     double *view_cost, *view_cost_trial; // [n_views]
     sheen_lamp_ban bans[MAX_BANS];
     size_t n_bans;
+    sheen_geodesic geodesic;
 } search;
 
 static double residual_at(const search *q, const float *predicted, size_t i)
@@ -125,6 +126,16 @@ static int stayed(const sheen_lamp *lamp, const sheen_lamp *start, const search 
            lamp->inverse_distance_per_m * q->samples->radius_m < highest_nearness;
 }
 
+// The hemisphere that new lamps are looked for on, for the lobe as it is now.
+static sheen_status make_geodesic(search *q)
+{
+    const int frequency = sheen_lamp_start_frequency(q->list->lobe.sigma_rad);
+    if (q->geodesic.frequency == frequency)
+        return SHEEN_OK;
+    sheen_geodesic_release(&q->geodesic);
+    return sheen_geodesic_init(&q->geodesic, frequency, NULL);
+}
+
 // Tries one more lamp. *state: 1 it stayed, 0 it did not, -1 there is no candidate.
 static sheen_status add_lamp(search *q, int *state, sheen_err *err)
 {
@@ -133,8 +144,10 @@ static sheen_status add_lamp(search *q, int *state, sheen_err *err)
     sheen_lamp_fit_result alone;
     for (size_t i = 0; i < q->samples->count; i++)
         q->trial[i] = (float)residual_at(q, q->predicted, i);
-    *state = sheen_lamp_start(&start, q->samples, q->trial, q->list->lobe.sigma_rad, q->o.threshold_lin,
-                              q->bans, q->n_bans);
+    if (make_geodesic(q))
+        return sheen_fail_memory(err, 1e6, "spots of light");
+    *state = sheen_lamp_start(&start, &q->geodesic, q->samples, q->trial, q->list->lobe.sigma_rad,
+                              q->o.threshold_lin, q->bans, q->n_bans, q->o.fit.n_threads);
     if (*state < 0)
         return sheen_fail_memory(err, 1e6, "spots of light");
     if (!*state) {
@@ -180,7 +193,7 @@ static sheen_status find_lamps(search *q, sheen_err *err)
 {
     const size_t most = q->o.max_lamps < SHEEN_LAMP_FIT_MAX ? q->o.max_lamps : SHEEN_LAMP_FIT_MAX;
     while (q->list->n < most && q->n_bans < MAX_BANS) {
-        int state;
+        int state = 0;
         sheen_status s = sheen_progress_step(&q->o.progress, "lamps", (int)q->list->n, (int)most, err);
         if (s || (s = add_lamp(q, &state, err)))
             return s;
@@ -232,23 +245,37 @@ static int is_out_of_place(const search *q, const sheen_lamp *lamp)
            lamp->inverse_distance_per_m * q->samples->radius_m > highest_nearness;
 }
 
+// light: [count][n] of the lamps that there were. Takes lamp *i, whose light is in `column`, away where E hardly needs it; else goes
+// on to the next.
+static void remove_if_useless(search *q, const float *light, size_t n, size_t column, size_t *i)
+{
+    for (size_t k = 0; k < q->samples->count; k++)
+        q->trial[k] = q->predicted[k] - light[k * n + column];
+    const double loss = cost_by_view(q->view_cost_trial, q, q->trial) -
+                        cost_by_view(q->view_cost, q, q->predicted);
+    if (loss < worth(q, LAMP_PARAMETERS) || is_out_of_place(q, &q->list->lamps[*i])) {
+        remove_lamp(q->list, *i);
+        memcpy(q->predicted, q->trial, q->samples->count * sizeof *q->predicted);
+    } else {
+        (*i)++;
+    }
+}
+
 // Lamps that wandered below the horizon or into the object, and those that E hardly needs, go.
 static sheen_status remove_useless(search *q, sheen_err *err)
 {
-    for (size_t i = 0; i < q->list->n;) {
-        sheen_lamp_list shorter = *q->list;
-        remove_lamp(&shorter, i);
-        sheen_status s = predict(q, q->trial, &shorter, err);
-        if (s || (s = predict(q, q->predicted, q->list, err)))
-            return s;
-        const double loss = cost_by_view(q->view_cost_trial, q, q->trial) -
-                            cost_by_view(q->view_cost, q, q->predicted);
-        if (loss < worth(q, LAMP_PARAMETERS) || is_out_of_place(q, &q->list->lamps[i]))
-            *q->list = shorter;
-        else
-            i++;
-    }
-    return SHEEN_OK;
+    const size_t n = q->list->n, count = q->samples->count;
+    float *light = malloc((count * n + 1) * sizeof *light);
+    sheen_status s = light ? sheen_lamp_light(light, q->list->lamps, n, &q->list->lobe, q->samples, &q->o.fit,
+                                              err)
+                           : sheen_fail_memory(err, 4.0 * (double)(count * n), "lamps");
+    memset(q->predicted, 0, count * sizeof *q->predicted);
+    for (size_t k = 0; k < count * n && !s; k++)
+        q->predicted[k / n] += light[k];
+    for (size_t column = 0, i = 0; column < n && !s; column++)
+        remove_if_useless(q, light, n, column, &i);
+    free(light);
+    return s;
 }
 
 // Those that do not help to predict photographs left out go one at a time, the least first: of two for one light one has to stay.
@@ -386,6 +413,7 @@ sheen_status sheen_lamp_list_fit(sheen_lamp_list *list, const sheen_lamp_samples
     sheen_status s = q.predicted && q.trial && q.residual && q.scratch && q.view_cost && q.view_cost_trial
                          ? run(&q, err)
                          : sheen_fail_memory(err, 24.0 * (double)n, "samples");
+    sheen_geodesic_release(&q.geodesic);
     free(q.predicted);
     free(q.trial);
     free(q.residual);

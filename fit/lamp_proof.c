@@ -4,7 +4,9 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "base/parallel.h"
 #include "fit/robust.h"
 
 enum { MOST_VIEWS = 64, REWEIGHTS = 2 };
@@ -53,12 +55,23 @@ static void left_out_residuals(double *residual, const double *d, const double *
         residual[i] = (d[i] - mean) * total / fmax(total - w[i], 1e-9 * total);
 }
 
+// Texels are summed in pieces of this many, in their order: the same for any number of threads.
+enum { PIECE = 256 };
+
 typedef struct measure {
     const sheen_lamp_proof *proof;
-    const float *all, *own; // [count] light of all lamps, and of the lamp in question
-    double level;           // its typical light
+    const float *all;   // [count] light of all lamps
+    const float *light; // [count][n_lamps] of each
+    size_t n_lamps, lamp;
+    double level; // the lamp's typical light
     double scale;
+    double (*piece)[2]; // [n_pieces] cost with it and without
 } measure;
+
+static double own_light(const measure *m, size_t sample)
+{
+    return (double)m->light[sample * m->n_lamps + m->lamp];
+}
 
 // Adds a texel's cost with and without the lamp, where it shines.
 static void add_texel(double *with, double *without, const measure *m, size_t texel)
@@ -70,9 +83,9 @@ static void add_texel(double *with, double *without, const measure *m, size_t te
     for (size_t i = begin; i < end && n < MOST_VIEWS; i++, n++) {
         const sheen_lamp_sample *s = &m->proof->samples.at[i];
         d[0][n] = (double)s->Y - (double)m->all[i];
-        d[1][n] = d[0][n] + (double)m->own[i];
+        d[1][n] = d[0][n] + own_light(m, i);
         weight[n] = (double)s->weight;
-        shines |= (double)m->own[i] > m->level;
+        shines |= own_light(m, i) > m->level;
     }
     if (!shines)
         return;
@@ -80,7 +93,7 @@ static void add_texel(double *with, double *without, const measure *m, size_t te
         left_out_residuals(residual[k], d[k], weight, n, m->scale);
     for (size_t i = 0; i < n; i++) {
         const sheen_lamp_sample *s = &m->proof->samples.at[begin + i];
-        if (!((double)m->own[begin + i] > m->level))
+        if (!(own_light(m, begin + i) > m->level))
             continue;
         for (int k = 0; k < 2; k++)
             if (!(s->clipped && residual[k][i] < 0)) // white is a lower bound
@@ -89,19 +102,31 @@ static void add_texel(double *with, double *without, const measure *m, size_t te
     }
 }
 
-static double explained_by(measure *m)
+static void add_pieces(void *self, size_t begin, size_t end)
 {
-    const size_t n = m->proof->samples.count;
+    measure *m = self;
+    for (size_t piece = begin; piece < end; piece++)
+        for (size_t t = piece * PIECE; t < (piece + 1) * PIECE && t < m->proof->n_texels; t++)
+            add_texel(&m->piece[piece][0], &m->piece[piece][1], m, t);
+}
+
+static double explained_by(measure *m, int n_threads)
+{
+    const size_t n = m->proof->samples.count, n_pieces = (m->proof->n_texels + PIECE - 1) / PIECE;
     double sum = 0, square = 0, with = 0, without = 0;
     for (size_t i = 0; i < n; i++) {
-        sum += (double)m->own[i];
-        square += (double)m->own[i] * (double)m->own[i];
+        sum += own_light(m, i);
+        square += own_light(m, i) * own_light(m, i);
     }
     if (!(sum > 0))
         return 0;
     m->level = 0.5 * square / sum;
-    for (size_t t = 0; t < m->proof->n_texels; t++)
-        add_texel(&with, &without, m, t);
+    memset(m->piece, 0, n_pieces * sizeof *m->piece);
+    sheen_parallel_for(n_pieces, 1, n_threads, add_pieces, m);
+    for (size_t i = 0; i < n_pieces; i++) {
+        with += m->piece[i][0];
+        without += m->piece[i][1];
+    }
     return without > 0 ? 1 - with / without : 0;
 }
 
@@ -111,16 +136,18 @@ sheen_status sheen_lamp_proof_explained(double *explained, const sheen_lamp_proo
                                         sheen_err *err)
 {
     const size_t count = proof->samples.count;
-    float *all = malloc((count + 1) * sizeof *all), *own = malloc((count + 1) * sizeof *own);
-    sheen_status s = all && own ? sheen_lamp_predict(all, lamps, n, lobe, &proof->samples, options, err)
-                                : sheen_fail_memory(err, 8.0 * (double)count, "samples");
-    measure m = {.proof = proof, .all = all, .own = own, .scale = options->scale};
-    for (size_t l = first; l < n && !s; l++) {
-        if ((s = sheen_lamp_predict(own, &lamps[l], 1, lobe, &proof->samples, options, err)))
-            break;
-        explained[l - first] = explained_by(&m);
-    }
+    float *all = calloc(count + 1, sizeof *all), *light = malloc((count * n + 1) * sizeof *light);
+    measure m = {.proof = proof, .all = all, .light = light, .n_lamps = n, .scale = options->scale};
+    m.piece = malloc((proof->n_texels / PIECE + 1) * sizeof *m.piece);
+    const sheen_status s = all && light && m.piece
+                               ? sheen_lamp_light(light, lamps, n, lobe, &proof->samples, options, err)
+                               : sheen_fail_memory(err, 4.0 * (double)(count * (n + 1)), "samples");
+    for (size_t i = 0; i < count * n && !s; i++)
+        all[i / n] += light[i];
+    for (m.lamp = first; m.lamp < n && !s; m.lamp++)
+        explained[m.lamp - first] = explained_by(&m, options->n_threads);
     free(all);
-    free(own);
+    free(light);
+    free(m.piece);
     return s;
 }

@@ -9,7 +9,11 @@
 #include "fit/diffuse.h"
 #include "fit/refined_state.h"
 
-enum { MOST_TEXELS = 20000, MAX_TEXELS = SHEEN_TEXTURE_MAX_EDGE * (SHEEN_TEXTURE_MAX_EDGE + 1) / 2 };
+enum {
+    MOST_TEXELS = 20000,
+    MOST_SAMPLES = 8 * MOST_TEXELS,
+    MAX_TEXELS = SHEEN_TEXTURE_MAX_EDGE * (SHEEN_TEXTURE_MAX_EDGE + 1) / 2
+};
 
 static const float clipped_lin = 0.97f;
 static const float interpolated_pixels =
@@ -118,12 +122,16 @@ static void fill(sheen_lamp_proof *out, const sheen_refined_state *r, const floa
 sheen_status sheen_lamp_proof_take(sheen_lamp_proof *out, const sheen_refined_state *r,
                                    const sheen_lamp_samples *like, sheen_err *err)
 {
-    size_t n_seen = 0, room = 1, i_seen = 0;
+    size_t n_seen = 0, n_samples = 0, room = 1, i_seen = 0;
     *out = (sheen_lamp_proof){.samples = {.n_views = r->f->n_views, .radius_m = like->radius_m}};
     memcpy(out->samples.origin_world, like->origin_world, sizeof like->origin_world);
-    for (size_t i = 0; i < r->views[0].n_texels; i++)
-        n_seen += times_seen(r, i) > 1;
-    const size_t step = 1 + n_seen / MOST_TEXELS;
+    for (size_t i = 0; i < r->views[0].n_texels; i++) {
+        const size_t n = times_seen(r, i);
+        n_seen += n > 1;
+        n_samples += n > 1 ? n : 0;
+    }
+    const size_t by_texels = n_seen / MOST_TEXELS, by_samples = n_samples / MOST_SAMPLES;
+    const size_t step = 1 + (by_texels > by_samples ? by_texels : by_samples);
     for (size_t i = 0; i < r->views[0].n_texels; i++) {
         const size_t n = times_seen(r, i);
         room += n > 1 && i_seen++ % step == 0 ? n : 0;

@@ -6,11 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/parallel.h"
 #include "base/vec.h"
-#include "render/geodesic.h"
 
 // Object's radius over the lamp's distance.
-static const float nearness[] = {0, 0.06f, 0.12f, 0.19f, 0.27f, 0.38f, 0.5f};
+enum { DISTANCES = 7 };
+static const float nearness[DISTANCES] = {0, 0.06f, 0.12f, 0.19f, 0.27f, 0.38f, 0.5f};
 
 typedef struct shot {
     float sum;
@@ -85,40 +86,77 @@ static void measure_spot(sheen_lamp *out, const sheen_lamp_samples *samples, con
     memcpy(out->direction_world, d, sizeof d);
 }
 
-int sheen_lamp_start(sheen_lamp *out, const sheen_lamp_samples *samples, const float *residual,
-                     float sigma_rad, float threshold_lin, const sheen_lamp_ban *bans, size_t n_bans)
+// The best node of each distance: one is worked on by one thread.
+typedef struct distances {
+    const sheen_geodesic *g;
+    const sheen_lamp_samples *samples;
+    const float *residual;
+    float threshold_lin;
+    const sheen_lamp_ban *bans;
+    size_t n_bans;
+    best best[DISTANCES];
+    int without_memory[DISTANCES];
+} distances;
+
+static void shoot(shot *shots, const distances *j, float per_m)
 {
-    // Nodes about one and a half sigma apart: a point's spot is two sigma wide there
-    const int frequency = (int)fminf(90, fmaxf(6, 0.8f / sigma_rad));
-    sheen_geodesic g;
+    for (size_t i = 0; i < j->samples->count; i++) {
+        float d[3];
+        meet_sphere(d, &j->samples->at[i], per_m);
+        const uint32_t node = sheen_geodesic_nearest(j->g, d);
+        if (node == UINT32_MAX)
+            continue;
+        shot *s = &shots[j->samples->at[i].view * j->g->n_nodes + node];
+        s->sum += j->residual[i];
+        s->count++;
+    }
+}
+
+static void search_distances(void *self, size_t begin, size_t end)
+{
+    distances *j = self;
+    for (size_t k = begin; k < end; k++) {
+        const float per_m = nearness[k] / j->samples->radius_m;
+        shot *shots = calloc(j->g->n_nodes * j->samples->n_views + 1, sizeof *shots);
+        j->without_memory[k] = !shots;
+        if (!shots)
+            continue;
+        shoot(shots, j, per_m);
+        for (uint32_t node = 0; node < j->g->n_nodes; node++) {
+            const double evidence = evidence_of(shots, j->g->n_nodes, j->samples->n_views, node,
+                                                j->threshold_lin);
+            if (evidence > j->best[k].evidence &&
+                !is_banned(j->g->v_world + 3 * (size_t)node, j->bans, j->n_bans))
+                j->best[k] = (best){evidence, node, per_m};
+        }
+        free(shots);
+    }
+}
+
+int sheen_lamp_start_frequency(float sigma_rad)
+{
+    return (int)fminf(90, fmaxf(6, 0.8f / sigma_rad));
+}
+
+int sheen_lamp_start(sheen_lamp *out, const sheen_geodesic *g, const sheen_lamp_samples *samples,
+                     const float *residual, float sigma_rad, float threshold_lin, const sheen_lamp_ban *bans,
+                     size_t n_bans, int n_threads)
+{
+    distances j = {.g = g,
+                   .samples = samples,
+                   .residual = residual,
+                   .threshold_lin = threshold_lin,
+                   .bans = bans,
+                   .n_bans = n_bans};
     best b = {0};
-    if (sheen_geodesic_init(&g, frequency, NULL))
-        return -1;
-    const size_t n_shots = g.n_nodes * samples->n_views;
-    shot *shots = malloc(n_shots * sizeof *shots);
-    for (size_t k = 0; shots && k < sizeof nearness / sizeof *nearness; k++) {
-        const float per_m = nearness[k] / samples->radius_m;
-        memset(shots, 0, n_shots * sizeof *shots);
-        for (size_t i = 0; i < samples->count; i++) {
-            float d[3];
-            meet_sphere(d, &samples->at[i], per_m);
-            const uint32_t node = sheen_geodesic_nearest(&g, d);
-            if (node == UINT32_MAX)
-                continue;
-            shot *s = &shots[samples->at[i].view * g.n_nodes + node];
-            s->sum += residual[i];
-            s->count++;
-        }
-        for (uint32_t node = 0; node < g.n_nodes; node++) {
-            const double evidence = evidence_of(shots, g.n_nodes, samples->n_views, node, threshold_lin);
-            if (evidence > b.evidence && !is_banned(g.v_world + 3 * node, bans, n_bans))
-                b = (best){evidence, node, per_m};
-        }
+    sheen_parallel_for(DISTANCES, 1, n_threads, search_distances, &j);
+    for (size_t k = 0; k < DISTANCES; k++) {
+        if (j.without_memory[k])
+            return -1;
+        if (j.best[k].evidence > b.evidence)
+            b = j.best[k];
     }
     if (b.evidence > 0)
-        measure_spot(out, samples, residual, g.v_world + 3 * b.node, b.per_m, cosf(2 * sigma_rad));
-    const int found = shots ? b.evidence > 0 : -1;
-    free(shots);
-    sheen_geodesic_release(&g);
-    return found;
+        measure_spot(out, samples, residual, g->v_world + 3 * (size_t)b.node, b.per_m, cosf(2 * sigma_rad));
+    return b.evidence > 0;
 }

@@ -4,6 +4,7 @@
 #define SHEEN_FIT_LAMP_START_H
 
 #include "fit/lamp_samples.h"
+#include "render/geodesic.h"
 #include "render/lamp.h"
 
 // A place that is not asked again.
@@ -15,9 +16,12 @@ typedef struct sheen_lamp_ban {
 // lamp is near, its spot is sharp, and the views agree, on the sphere that it lies on. Spots are ranked by evidence, the
 // square of the light that arrives over the shots that do, never by the amplitude that a few shots would ask for; a node needs light
 // in at least half of the views that reach it.
-// residual: [count] luminance that is not explained yet. Returns 1 and a lamp without colour and extent, whose
-// direction, distance and Y are to be refined; 0: nothing; -1: no memory.
-int sheen_lamp_start(sheen_lamp *out, const sheen_lamp_samples *samples, const float *residual,
-                     float sigma_rad, float threshold_lin, const sheen_lamp_ban *bans, size_t n_bans);
+// g: hemisphere of sheen_lamp_start_frequency. residual: [count] luminance that is not explained yet. Returns 1 and a lamp without
+// colour and extent, whose direction, distance and Y are to be refined; 0: nothing; -1: no memory.
+int sheen_lamp_start(sheen_lamp *out, const sheen_geodesic *g, const sheen_lamp_samples *samples,
+                     const float *residual, float sigma_rad, float threshold_lin, const sheen_lamp_ban *bans,
+                     size_t n_bans, int n_threads);
+// Nodes are about one and a half sigma apart: a point's spot is two sigma wide there.
+int sheen_lamp_start_frequency(float sigma_rad);
 
 #endif

@@ -168,17 +168,22 @@ static void subtract_mirrored(void *self, size_t begin, size_t end)
 sheen_status sheen_refined_residuals(sheen_refined_state *r, sheen_err *err)
 {
     sheen_paper_fit *f = r->f;
+    // Of lamps only the first steps look at them, and the pictures of the last
+    const int with_hemispheres = r->round == 0 || r->round == SHEEN_REFINED_ROUNDS - 1 ||
+                                 !sheen_extension_in(r->o.without, SHEEN_EXTENSION_LAMPS);
     sheen_status s = SHEEN_OK;
     for (size_t i = 0; i < f->n_views && !s; i++) {
         sheen_residual_release(&f->residuals[i]);
-        sheen_partial_hemisphere_release(&f->partials[i]);
+        if (with_hemispheres)
+            sheen_partial_hemisphere_release(&f->partials[i]);
         if ((s = sheen_residual_make(&f->residuals[i], r->mesh, &f->model, &f->gbuffers[i], &r->photos->cam,
                                      &r->photos->photos[i], r->o.n_threads, err)))
             break;
         mirrored_job j = {r, i};
         sheen_parallel_for(f->residuals[i].count, 2048, r->o.n_threads, subtract_mirrored, &j);
-        s = sheen_partial_hemisphere_make(&f->partials[i], &f->geodesic, &f->residuals[i], r->o.n_threads,
-                                          err);
+        if (with_hemispheres)
+            s = sheen_partial_hemisphere_make(&f->partials[i], &f->geodesic, &f->residuals[i], r->o.n_threads,
+                                              err);
     }
     return s;
 }
