@@ -13,6 +13,8 @@ enum { MAX_VIEWS = SHEEN_REFINED_MAX_VIEWS, TERMS = SHEEN_AMBIENT_TERMS, PART_TE
 static const double noise_lin = 0.01;    // of a photograph's sample, resampling included
 static const double lights_doubt = 0.15; // share by which a predicted highlight may be wrong
 static const double outlier_lin = 0.02;  // scale of the robust weights
+static const double settled_lin =
+    1e-5; // a mean that moves by less stays: a thirtieth of the least step of 8-bit sRGB
 
 // One texel in one view.
 typedef struct sample {
@@ -24,7 +26,8 @@ typedef struct sample {
     double weight;
 } sample;
 
-static void take(sample *s, const sheen_texel_view *view, const sheen_view_light *l, size_t texel)
+static void take(sample *s, const sheen_texel_view *view, const sheen_view_light *l, size_t texel,
+                 int with_room)
 {
     const float *above = l->above_world + 3 * texel;
     for (size_t c = 0; c < 3; c++) {
@@ -32,7 +35,7 @@ static void take(sample *s, const sheen_texel_view *view, const sheen_view_light
         s->mirrored[c] = (double)l->mirrored_rgb[3 * texel + c];
     }
     memset(s->basis, 0, sizeof s->basis);
-    if (above[2] > 0)
+    if (with_room && above[2] > 0)
         sheen_ambient_basis(s->basis, above);
     const double u = 1 - (double)l->cosine[texel];
     s->schlick = u * u * u * u * u;
@@ -41,13 +44,14 @@ static void take(sample *s, const sheen_texel_view *view, const sheen_view_light
     s->weight = (double)l->cosine[texel] / (noise_lin * noise_lin + doubt * doubt) * noise_lin * noise_lin;
 }
 
+// with_room: 1 where what the room adds counts.
 static size_t gather(sample out[MAX_VIEWS], const sheen_texel_view *views, const sheen_view_light *lights,
-                     size_t n_views, size_t texel)
+                     size_t n_views, size_t texel, int with_room)
 {
     size_t n = 0;
     for (size_t v = 0; v < n_views && n < MAX_VIEWS; v++)
         if (views[v].seen[texel])
-            take(&out[n++], &views[v], &lights[v], texel);
+            take(&out[n++], &views[v], &lights[v], texel, with_room);
     return n;
 }
 
@@ -78,7 +82,7 @@ void sheen_diffuse_and_lights(double rgb[3], const sheen_surroundings *surroundi
                               const sheen_texel_view *view, const sheen_view_light *light, size_t texel)
 {
     sample s;
-    take(&s, view, light, texel);
+    take(&s, view, light, texel, surroundings->present);
     diffuse_of(rgb, &s, surroundings);
     for (size_t c = 0; c < 3; c++)
         rgb[c] += (double)light->lights_rgb[3 * texel + c];
@@ -90,13 +94,13 @@ static double luminance(const double rgb[3])
 }
 
 // The sample that has half of the weight below it, by luminance: where most views are right the rest cannot pull it.
-static size_t median_of(const double (*d)[3], const sample *s, size_t n)
+static size_t median_of(const double *y, const sample *s, size_t n)
 {
     uint8_t order[MAX_VIEWS] = {0};
     double total = 0, below = 0;
     for (size_t i = 0; i < n; i++) {
         size_t k = i;
-        for (; k && luminance(d[order[k - 1]]) > luminance(d[i]); k--)
+        for (; k && y[order[k - 1]] > y[i]; k--)
             order[k] = order[k - 1];
         order[k] = (uint8_t)i;
         total += s[i].weight;
@@ -107,37 +111,38 @@ static size_t median_of(const double (*d)[3], const sample *s, size_t n)
     return order[n - 1];
 }
 
-static double lorentzian(const double d[3], const double middle[3])
+static double lorentzian(double residual)
 {
-    const double z = (luminance(d) - luminance(middle)) / outlier_lin;
+    const double z = residual / outlier_lin;
     return 1 / (1 + 0.5 * z * z);
 }
 
-// Weights with the Lorentzian's, from the median on: each sample against the weighted mean of the others' diffuse colours.
+// Weights with the Lorentzian's, from the median on: each sample's luminance against the weighted mean of all, which is found in
+// `rounds` turns after the first or where it moves no more.
 static void reweight(double w[MAX_VIEWS], double mean[3], const sample *s, size_t n,
                      const sheen_surroundings *e, int rounds)
 {
-    double d[MAX_VIEWS][3];
-    for (size_t i = 0; i < n; i++)
+    double d[MAX_VIEWS][3], y[MAX_VIEWS], total = 0;
+    for (size_t i = 0; i < n; i++) {
         diffuse_of(d[i], &s[i], e);
-    const size_t middle = median_of((const double(*)[3])d, s, n);
-    for (size_t i = 0; i < n; i++)
-        w[i] = s[i].weight * lorentzian(d[i], d[middle]);
-    for (int round = 0;; round++) {
-        double total = 0;
-        mean[0] = mean[1] = mean[2] = 0;
-        for (size_t i = 0; i < n; i++) {
-            total += w[i];
-            for (int c = 0; c < 3; c++)
-                mean[c] += w[i] * d[i][c];
-        }
-        for (int c = 0; c < 3; c++)
-            mean[c] /= total;
-        if (round == rounds)
-            return;
-        for (size_t i = 0; i < n; i++)
-            w[i] = s[i].weight * lorentzian(d[i], mean);
+        y[i] = luminance(d[i]);
     }
+    double level = y[median_of(y, s, n)], before = HUGE_VAL;
+    for (int round = 0; round <= rounds && fabs(level - before) > settled_lin; round++) {
+        double sum = 0;
+        total = 0;
+        for (size_t i = 0; i < n; i++) {
+            w[i] = s[i].weight * lorentzian(y[i] - level);
+            total += w[i];
+            sum += w[i] * y[i];
+        }
+        before = level;
+        level = sum / total;
+    }
+    mean[0] = mean[1] = mean[2] = 0;
+    for (size_t i = 0; i < n; i++)
+        for (int c = 0; c < 3; c++)
+            mean[c] += w[i] * d[i][c] / total;
 }
 
 typedef struct normal_equations {
@@ -241,7 +246,7 @@ static void add_pieces(void *self, size_t begin, size_t end)
         for (size_t t = piece * p->step; t < p->n_texels; t += PIECES * p->step) {
             sample s[MAX_VIEWS];
             double w[MAX_VIEWS], mean[3];
-            const size_t n = gather(s, p->views, p->lights, p->n_views, t);
+            const size_t n = gather(s, p->views, p->lights, p->n_views, t, p->surroundings->present);
             if (n < 2)
                 continue;
             reweight(w, mean, s, n, p->surroundings, 2);
@@ -292,7 +297,7 @@ static void add_cost(double *cost, double *weight, const part *p, size_t t)
 {
     sample s[MAX_VIEWS];
     double w[MAX_VIEWS], mean[3], d[3], all = 0;
-    const size_t n = gather(s, p->views, p->lights, p->n_views, t);
+    const size_t n = gather(s, p->views, p->lights, p->n_views, t, p->surroundings->present);
     if (n < 3)
         return;
     reweight(w, mean, s, n, p->surroundings, 2);
@@ -360,7 +365,7 @@ static void fit_texels(void *self, size_t begin, size_t end)
     for (size_t t = begin; t < end; t++) {
         sample s[MAX_VIEWS];
         double w[MAX_VIEWS], mean[3];
-        const size_t n = gather(s, j->views, j->lights, j->n_views, t);
+        const size_t n = gather(s, j->views, j->lights, j->n_views, t, j->surroundings->present);
         if (j->deviation)
             j->deviation[t] = NAN;
         if (!n)

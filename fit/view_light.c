@@ -78,11 +78,14 @@ static void shade_triangles(void *self, size_t begin, size_t end)
         gather_patch(&q, j, f, edge);
         if (j->with_mirrored)
             sheen_shade_split(rgb, above_world, j->shading, q.p_obj, q.n_obj, q.v_obj, q.n);
+        const int shines = sheen_shade_may_shine(j->shading, q.p_obj, q.n_obj, q.v_obj, q.n);
         for (size_t k = 0; k < q.n; k++) {
             const size_t texel = q.texel[k];
             j->out->cosine[texel] = sheen_dotf(q.n_obj + 3 * k, q.v_obj + 3 * k);
-            sheen_shade_lights(j->out->lights_rgb + 3 * texel, j->shading, q.p_obj + 3 * k, q.n_obj + 3 * k,
-                               q.v_obj + 3 * k);
+            memset(j->out->lights_rgb + 3 * texel, 0, 3 * sizeof *rgb);
+            if (shines)
+                sheen_shade_lights(j->out->lights_rgb + 3 * texel, j->shading, q.p_obj + 3 * k,
+                                   q.n_obj + 3 * k, q.v_obj + 3 * k);
             for (int c = 0; c < 3 && j->out->gloss; c++)
                 j->out->lights_rgb[3 * texel + (size_t)c] *= j->out->gloss[texel];
             if (!j->with_mirrored)

@@ -238,6 +238,39 @@ void sheen_lamp_responses(float *response, const sheen_lamp_points *p, size_t be
     }
 }
 
+// An angle is at most this many times its chord, up to a chord of 1; and an arc sine its sine, up to 1/2.
+static const float angle_per_chord = 1.05f;
+
+// The angle at any point from the middle's: alpha >= alpha_middle - (n's turn) - (h's turn), h = l + v, where |dh| <= |dl| + |dv|.
+float sheen_lamp_response_bound(const sheen_lamp *lamp, const sheen_lobe_shape *lobe,
+                                const sheen_lamp_patch *patch)
+{
+    float n[3], v[3], l[3], h[3], apart[3];
+    memcpy(n, patch->n_world, sizeof n);
+    memcpy(v, patch->v_world, sizeof v);
+    // What a unit vector differs from the mean's direction by is at most twice what it differs from the mean
+    const float n_turn = 2 * patch->n_reach, v_turn = 2 * patch->v_reach;
+    for (int i = 0; i < 3; i++)
+        l[i] = lamp->direction_world[i] - lamp->inverse_distance_per_m * patch->x_m[i];
+    const float L = sheen_normalizef(l),
+                L_reach = lamp->radius_rad + lamp->inverse_distance_per_m * patch->x_reach_m;
+    if (!(L > 2 * L_reach) || !(sheen_normalizef(n) > 0) || !(sheen_normalizef(v) > 0))
+        return HUGE_VALF;
+    for (int i = 0; i < 3; i++)
+        h[i] = l[i] + v[i];
+    const float H = sheen_normalizef(h), H_reach = angle_per_chord * L_reach / L + v_turn;
+    if (!(H > 2 * H_reach) || n_turn > 0.5f)
+        return HUGE_VALF;
+    sheen_subf(apart, n, h);
+    const float turn = angle_per_chord * (n_turn + H_reach / H);
+    const float alpha = fmaxf(0, sqrtf(sheen_dotf(apart, apart)) - turn) / lobe->sigma_rad;
+    const float wide = 1 / (1 + 0.25f * alpha * alpha);
+    const float value = (1 - lobe->tail) * expf(-0.5f * alpha * alpha) + lobe->tail * wide * wide;
+    const float least_cos = fmaxf(SHEEN_LOBE_MIN_COS, sheen_dotf(n, v) - n_turn - v_turn);
+    // A little more, for what rounding may do
+    return 1.01f * (1 + lobe->fresnel) * value / (least_cos * (L - L_reach) * (L - L_reach));
+}
+
 static double response_ref(const sheen_lamp *lamp, const sheen_lobe_shape *lobe, const float x_m[3],
                            const double n[3], const double v[3])
 {

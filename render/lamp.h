@@ -65,7 +65,17 @@ void sheen_lamp_points_release(sheen_lamp_points *p);
 void sheen_lamp_responses(float *response, const sheen_lamp_points *p, size_t begin, size_t n,
                           const sheen_lobe_shape *lobe, const float x_m[3], const float n_world[3],
                           const float v_world[3]);
-// The same in double precision with the library's functions, as written above.
+
+// Neighbouring surface points: means of their places and of their unit vectors, and by how far each differs from that at most.
+typedef struct sheen_lamp_patch {
+    float x_m[3], n_world[3], v_world[3]; // from the lamps' origin; the means' lengths may be below 1
+    float x_reach_m, n_reach, v_reach;
+} sheen_lamp_patch;
+
+// What no point of the patch's response to the lamp exceeds; HUGE_VALF where the patch is too bent for a bound.
+float sheen_lamp_response_bound(const sheen_lamp *lamp, const sheen_lobe_shape *lobe,
+                                const sheen_lamp_patch *patch);
+// sheen_lamp_responses in double precision with the library's functions, as written above.
 void sheen_lamp_responses_ref(double *response, const sheen_lamp *lamps, size_t n,
                               const sheen_lobe_shape *lobe, const float x_m[3], const float n_world[3],
                               const float v_world[3]);

@@ -159,6 +159,50 @@ void sheen_shade_lights(float rgb[3], const sheen_shading *s, const float p_obj[
     add_lamps(rgb, s, p_obj, n_obj, n, v);
 }
 
+// Mean of n vectors and how far from it the farthest lies.
+static float middle_of(float mean[3], const float *x, size_t n)
+{
+    float most2 = 0, sum[3] = {0, 0, 0};
+    for (size_t i = 0; i < n; i++)
+        for (size_t c = 0; c < 3; c++)
+            sum[c] += x[3 * i + c];
+    for (int c = 0; c < 3; c++)
+        mean[c] = sum[c] / (float)n;
+    for (size_t i = 0; i < n; i++) {
+        float d[3];
+        sheen_subf(d, x + 3 * i, mean);
+        const float d2 = sheen_dotf(d, d);
+        most2 = d2 > most2 ? d2 : most2;
+    }
+    return sqrtf(most2);
+}
+
+bool sheen_shade_may_shine(const sheen_shading *s, const float *p_obj, const float *n_obj, const float *v_obj,
+                           size_t n)
+{
+    const sheen_model *m = s->model;
+    const sheen_lobe_shape lobe = sheen_model_lobe(m);
+    float p[3], normal[3], v[3];
+    sheen_lamp_patch patch;
+    if (m->lights.count)
+        return true;
+    if (!n || !m->n_lamps)
+        return false;
+    patch.x_reach_m = middle_of(p, p_obj, n);
+    patch.n_reach = middle_of(normal, n_obj, n);
+    patch.v_reach = middle_of(v, v_obj, n);
+    from_lamp_origin(patch.x_m, s, p);
+    to_world(patch.n_world, s, normal);
+    to_world(patch.v_world, s, v);
+    for (size_t i = 0; i < m->n_lamps; i++) {
+        const sheen_lamp *lamp = &m->lamps[i];
+        const float light = lamp->rgb[0] + lamp->rgb[1] + lamp->rgb[2];
+        if (sheen_lamp_response_bound(lamp, &lobe, &patch) * light > negligible_lin)
+            return true;
+    }
+    return false;
+}
+
 void sheen_shade_irradiance(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3])
 {
     const sheen_irradiance *e = &s->model->irradiance;

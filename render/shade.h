@@ -5,6 +5,8 @@
 #ifndef SHEEN_RENDER_SHADE_H
 #define SHEEN_RENDER_SHADE_H
 
+#include <stdbool.h>
+
 #include "render/model.h"
 #include "render/scene.h"
 
@@ -29,6 +31,10 @@ void sheen_shading_init(sheen_shading *s, const sheen_model *model, const sheen_
 // Specular light, for a gloss of 1, of nodes by eq. (7) (times k_S and the lights' colour), and of lamps (lamp.h), each shadowed by the mesh where the model says so.
 void sheen_shade_lights(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3],
                         const float v_obj[3]);
+// False where sheen_shade_lights would give black at each of n neighbouring points (arrays [n][3]): then it need not be asked. By a bound
+// on the lobe over all of them, so that it may be true where nothing shines.
+bool sheen_shade_may_shine(const sheen_shading *s, const float *p_obj, const float *n_obj, const float *v_obj,
+                           size_t n);
 // E of irradiance.h at a point: what the texture there is multiplied by. 1 where the model has none.
 void sheen_shade_irradiance(float rgb[3], const sheen_shading *s, const float p_obj[3], const float n_obj[3]);
 // 1 where the mesh hides the light in direction l_world from the point. n_world: its normal.

@@ -72,6 +72,56 @@ static void fast_sums_are_the_formula(void **state)
     }
 }
 
+// Points strewn about a place, some far from every highlight: none exceeds the bound, and far from a narrow lobe the bound is small.
+static void no_point_of_a_patch_exceeds_its_bound(void **state)
+{
+    (void)state;
+    enum { POINTS = 12 };
+    static const float radii[] = {0, 0.02f, 0.1f, 0.3f}, offs[] = {0.02f, 0.2f, 0.8f};
+    sheen_err err;
+    int n_small = 0;
+    for (int rep = 0; rep < 3000; rep++) {
+        const sheen_lamp lamp = random_lamp(radii[rep % 4]);
+        const sheen_lobe_shape lobe = {0.01f + 0.08f * (float)test_random(&seed),
+                                       rep % 2 ? (float)test_random(&seed) : 0,
+                                       24 * (float)test_random(&seed)};
+        const float size = 0.1f * (float)test_random(&seed);
+        float middle[3][3], at[POINTS][3][3], most = 0;
+        sheen_lamp_points points;
+        sheen_lamp_patch patch = {.x_m = {0}};
+        float *mean[3] = {patch.x_m, patch.n_world, patch.v_world},
+              *reach[3] = {&patch.x_reach_m, &patch.n_reach, &patch.v_reach};
+        near_highlight(middle[0], middle[1], middle[2], &lamp, offs[rep % 3]);
+        assert_ok(sheen_lamp_points_init(&points, &lamp, 1, lobe.sigma_rad, &err), err);
+        for (int i = 0; i < POINTS; i++) {
+            float response;
+            for (int k = 0; k < 3; k++) {
+                float by[3];
+                test_direction(by, &seed);
+                for (int c = 0; c < 3; c++)
+                    at[i][k][c] = middle[k][c] + size * by[c];
+                if (k)
+                    sheen_normalizef(at[i][k]);
+                for (int c = 0; c < 3; c++)
+                    mean[k][c] += at[i][k][c] / POINTS;
+            }
+            sheen_lamp_responses(&response, &points, 0, 1, &lobe, at[i][0], at[i][1], at[i][2]);
+            most = fmaxf(most, response);
+        }
+        for (int i = 0; i < POINTS; i++)
+            for (int k = 0; k < 3; k++) {
+                float d[3];
+                sheen_subf(d, at[i][k], mean[k]);
+                *reach[k] = fmaxf(*reach[k], sqrtf(sheen_dotf(d, d)));
+            }
+        const float bound = sheen_lamp_response_bound(&lamp, &lobe, &patch);
+        assert_true(bound + 1e-20f >= most); // the fast exponential ends at 2^-100
+        n_small += bound < 1e-6f;
+        sheen_lamp_points_release(&points);
+    }
+    assert_true(n_small > 100);
+}
+
 static void a_far_point_is_the_papers_light(void **state)
 {
     (void)state;
@@ -116,6 +166,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fast_sums_are_the_formula),
+        cmocka_unit_test(no_point_of_a_patch_exceeds_its_bound),
         cmocka_unit_test(a_far_point_is_the_papers_light),
         cmocka_unit_test(the_tail_is_ggx),
     };
