@@ -43,10 +43,17 @@ typedef enum sheen_role {
     SHEEN_ROLE_INPUT,       // the object; fitted
     SHEEN_ROLE_CALIBRATION, // the board alone; calibrated from
     SHEEN_ROLE_TEST,        // the object; held out, for eval only
+    SHEEN_ROLE_BACKGROUND, // the scene without the object, from where the camera stood; masks are made with it
     SHEEN_ROLE_COUNT
 } sheen_role;
 
-const char *sheen_role_name(sheen_role r); // "input", "calibration", "test"
+// Frames that show the object.
+static inline bool sheen_role_shows_object(sheen_role r)
+{
+    return r == SHEEN_ROLE_INPUT || r == SHEEN_ROLE_TEST;
+}
+
+const char *sheen_role_name(sheen_role r); // "input", "calibration", "test", "background"
 sheen_status sheen_role_from_name(sheen_role *out, const char *name, sheen_err *err);
 
 // What stood still under the lights: see "world" in docs/conventions.md.
@@ -143,6 +150,10 @@ sheen_status sheen_session_path(char out[SHEEN_PATH_MAX], const sheen_session *s
 bool sheen_session_has(const sheen_session *s, const char *file);
 // The mesh's file name in the session ("mesh.ply"), or NULL where there is none.
 const char *sheen_session_mesh_file(const sheen_session *s);
+
+// Which of a turntable's rounds a frame is of: one that its recording took is called "r<round>-..." (capture/turn_steps.h).
+// 0: none.
+int sheen_frame_round(const sheen_frame_info *f);
 
 // Adds a frame: payload first, then its sidecar, each atomically; both or neither count. info->file,
 // payload_digest are set here from info->name and `extension`. The list in *s grows by one.

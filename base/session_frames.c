@@ -194,6 +194,13 @@ void sheen_session_next_name(const sheen_session *s, char name[64])
     snprintf(name, 64, "%06zu", free_number);
 }
 
+int sheen_frame_round(const sheen_frame_info *f)
+{
+    char *end;
+    const long round = f->name[0] == 'r' ? strtol(f->name + 1, &end, 10) : 0;
+    return round > 0 && round < 1000 && *end == '-' ? (int)round : 0;
+}
+
 size_t sheen_session_count_role(const sheen_session *s, sheen_role role)
 {
     size_t n = 0;

@@ -15,6 +15,7 @@ static const char *const role_names[SHEEN_ROLE_COUNT] = {
     [SHEEN_ROLE_INPUT] = "input",
     [SHEEN_ROLE_CALIBRATION] = "calibration",
     [SHEEN_ROLE_TEST] = "test",
+    [SHEEN_ROLE_BACKGROUND] = "background",
 };
 
 const char *sheen_role_name(sheen_role r)
@@ -29,7 +30,8 @@ sheen_status sheen_role_from_name(sheen_role *out, const char *name, sheen_err *
             *out = (sheen_role)i;
             return SHEEN_OK;
         }
-    return sheen_fail(err, SHEEN_EARG, "unknown role '%.60s': use 'input', 'calibration' or 'test'", name);
+    return sheen_fail(err, SHEEN_EARG,
+                      "unknown role '%.60s': use 'input', 'calibration', 'test' or 'background'", name);
 }
 
 void sheen_frame_info_init(sheen_frame_info *f)

@@ -109,7 +109,7 @@ static sheen_status import_folder(import_job *job, const char *folder, const cha
         const sheen_frame_info *f = sheen_import_frame(job, i);
         char path[SHEEN_PATH_MAX];
         s = mask_path(path, dir, f, err);
-        if (s || f->role == SHEEN_ROLE_CALIBRATION || !sheen_file_exists(path))
+        if (s || !sheen_role_shows_object(f->role) || !sheen_file_exists(path))
             continue;
         s = sheen_progress_step(&job->options->progress, folder, (int)i, (int)n, err);
         if (!s)

@@ -30,7 +30,8 @@ static sheen_status parse_rest(replay *r, char path[SHEEN_PATH_MAX], const char 
     static const char role[] = "?role=";
     if (strncmp(query, role, sizeof role - 1) != 0)
         return sheen_fail(err, SHEEN_EARG,
-                          "unknown option '%.60s': there is only '?role=input|calibration|test'", query);
+                          "unknown option '%.60s': there is only '?role=input|calibration|test|background'",
+                          query);
     r->one_role = true;
     return sheen_role_from_name(&r->role, query + sizeof role - 1, err);
 }

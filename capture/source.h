@@ -45,7 +45,7 @@ typedef struct sheen_source_counts {
 } sheen_source_counts;
 
 // Opens a source by URI:
-//     replay:SESSION[?role=input|calibration|test]    frames of a session, in the order of their names
+//     replay:SESSION[?role=input|calibration|test|background]    frames of a session, in the order of their names
 //     v4l2:/dev/videoN[?option&option...]             a camera; options: docs/capture.md
 // EARG (unknown kind or option), EUNSUP (a kind of source that this build is without), and what the
 // source itself reports: ENODEV, EACCESS, EIO, EFORMAT, EDATA (no frames in it).

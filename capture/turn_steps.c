@@ -19,7 +19,10 @@ static const double default_tolerance_deg = 0.5;
 
 static void step_name(char name[64], int i_round, int i_step)
 {
-    snprintf(name, 64, "r%d-%03d", i_round, i_step);
+    if (i_step < 0)
+        snprintf(name, 64, "r%d-empty", i_round);
+    else
+        snprintf(name, 64, "r%d-%03d", i_round, i_step);
 }
 
 static bool has_step(const sheen_session *s, int i_round, int i_step)
@@ -29,16 +32,27 @@ static bool has_step(const sheen_session *s, int i_round, int i_step)
     return sheen_session_find(s, name) != NULL;
 }
 
+// The empty table stands as in the first step.
 static double step_deg(const sheen_turn_options *o, int i_step)
 {
-    return 360.0 * i_step / o->n_steps;
+    return i_step < 0 ? 0 : 360.0 * i_step / o->n_steps;
+}
+
+static int first_step(const sheen_turn_options *o)
+{
+    return o->place_object ? -1 : 0;
+}
+
+static bool *taken(const sheen_turn_steps *t, int i_round, int i_step)
+{
+    return &t->taken[(i_round - 1) * (1 + t->o.n_steps) + 1 + i_step];
 }
 
 size_t sheen_turn_steps_missing(const sheen_session *s, const sheen_turn_options *o)
 {
     size_t n = 0;
     for (int r = 1; r <= o->n_rounds; r++)
-        for (int k = 0; k < o->n_steps; k++)
+        for (int k = first_step(o); k < o->n_steps; k++)
             n += !has_step(s, r, k);
     return n;
 }
@@ -50,13 +64,14 @@ sheen_status sheen_turn_steps_init(sheen_turn_steps *t, sheen_session *session, 
     if (!(t->o.tolerance_deg > 0))
         t->o.tolerance_deg = default_tolerance_deg;
     t->blocks = malloc(2 * BLOCKS * sizeof *t->blocks);
-    t->taken = calloc((size_t)(t->o.n_rounds * t->o.n_steps) + 1, sizeof *t->taken);
+    t->taken = calloc((size_t)(t->o.n_rounds * (1 + t->o.n_steps)) + 1, sizeof *t->taken);
     if (!t->blocks || !t->taken) {
         sheen_turn_steps_release(t);
         return sheen_fail_memory(err, 2.0 * BLOCKS * sizeof *t->blocks, "the picture's means");
     }
-    for (int i = 0; i < t->o.n_rounds * t->o.n_steps; i++)
-        t->taken[i] = has_step(session, 1 + i / t->o.n_steps, i % t->o.n_steps);
+    for (int r = 1; r <= t->o.n_rounds; r++)
+        for (int k = -1; k < t->o.n_steps; k++)
+            *taken(t, r, k) = has_step(session, r, k);
     return SHEEN_OK;
 }
 
@@ -71,12 +86,10 @@ void sheen_turn_steps_release(sheen_turn_steps *t)
 // The next frame that the session has not; false: it has all.
 static bool find_next(int *i_round, int *i_step, const sheen_turn_steps *t)
 {
-    for (int i = 0; i < t->o.n_rounds * t->o.n_steps; i++)
-        if (!t->taken[i]) {
-            *i_round = 1 + i / t->o.n_steps;
-            *i_step = i % t->o.n_steps;
-            return true;
-        }
+    for (*i_round = 1; *i_round <= t->o.n_rounds; ++*i_round)
+        for (*i_step = first_step(&t->o); *i_step < t->o.n_steps; ++*i_step)
+            if (!*taken(t, *i_round, *i_step))
+                return true;
     return false;
 }
 
@@ -104,6 +117,8 @@ static sheen_status ask(void *self, int64_t *since_ns, sheen_err *err)
         t->camera_waits = i_round > 1 && !reference_of(t, i_round) && t->o.next_round;
         t->n_taken = 0;
     }
+    if (t->o.place_object && i_step >= 0 && (i_round != t->i_round || t->i_step < 0))
+        t->object_waits = !reference_of(t, i_round) || t->i_step < 0;
     t->i_round = i_round;
     t->i_step = i_step;
     t->turned = false;
@@ -238,6 +253,11 @@ static sheen_status look(void *self, sheen_frame *frame, sheen_verdict *verdict,
         if (t->camera_waits && (s = t->o.next_round(t->o.self, t->i_round, err)))
             return s;
         t->camera_waits = false;
+        if (t->i_step < 0 || t->object_waits) {
+            if ((s = t->o.place_object(t->o.self, t->i_round, t->i_step >= 0, err)))
+                return s;
+            t->object_waits = false;
+        }
         return turn(t, err);
     }
     // A camera's buffers hold frames from before.
@@ -248,8 +268,11 @@ static sheen_status look(void *self, sheen_frame *frame, sheen_verdict *verdict,
     if ((s = measure(t, frame, err)))
         return s;
     step_name(frame->info.name, t->i_round, t->i_step);
-    t->taken[(t->i_round - 1) * t->o.n_steps + t->i_step] = true;
-    t->n_taken++;
+    *taken(t, t->i_round, t->i_step) = true;
+    if (t->i_step < 0)
+        frame->info.role = SHEEN_ROLE_BACKGROUND;
+    else
+        t->n_taken++;
     *verdict = SHEEN_VERDICT_TAKE;
     return SHEEN_OK;
 }

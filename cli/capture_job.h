@@ -17,7 +17,8 @@ typedef struct sheen_cli_capture {
     const char *batch; // file of the objects
     const char *like;  // session that a new one takes its camera, board and mesh from
     int n_steps, n_rounds;
-    bool choose; // --auto
+    bool background; // --background: each round begins with the empty table
+    bool choose;     // --auto
     sheen_cli_measure measure;
     bool remember; // --remember
     bool then_run; // --then run

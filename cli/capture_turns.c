@@ -33,6 +33,18 @@ static sheen_status next_round(void *self, int i_round, sheen_err *err)
     return s ? sheen_wrap(err, s, "round %d was not begun", i_round) : s;
 }
 
+static sheen_status place_object(void *self, int i_round, bool on, sheen_err *err)
+{
+    const turning *t = self;
+    char prompt[120], line[16];
+    snprintf(prompt, sizeof prompt,
+             on ? "put the object on the board as it shall stand, then press Enter"
+                : "round %d: take the object off, leave the board, then press Enter",
+             i_round);
+    const sheen_status s = sheen_cli_ask(line, sizeof line, t->cli, prompt, err);
+    return s ? sheen_wrap(err, s, "round %d was not begun", i_round) : s;
+}
+
 static sheen_status ask(void *self, int64_t *since_ns, sheen_err *err)
 {
     turning *t = self;
@@ -56,7 +68,8 @@ static sheen_status stored(void *self, const sheen_frame_info *f, sheen_err *err
 
 size_t sheen_cli_capture_missing(const sheen_cli_capture *a, const sheen_session *s)
 {
-    const sheen_turn_options o = {.n_steps = a->n_steps, .n_rounds = a->n_rounds};
+    const sheen_turn_options o = {
+        .n_steps = a->n_steps, .n_rounds = a->n_rounds, .place_object = a->background ? place_object : NULL};
     return sheen_turn_steps_missing(s, &o);
 }
 
@@ -89,6 +102,7 @@ static sheen_status turn(turning *t, sheen_cli_capture *a, sheen_session *s, she
                                   .n_rounds = a->n_rounds,
                                   .see = t->eye.detector ? see : NULL,
                                   .next_round = next_round,
+                                  .place_object = a->background ? place_object : NULL,
                                   .self = t,
                                   .tolerance_deg = by_hand ? 180.0 / a->n_steps : 0};
     sheen_status st = sheen_turn_steps_init(&steps, s, table, &o, err);
@@ -114,7 +128,7 @@ sheen_status sheen_cli_capture_turns(sheen_cli *cli, sheen_cli_capture *a, sheen
         st = check(cli, a, s, src, &t.eye, err);
     a->o.count = sheen_cli_capture_missing(a, s);
     if (!st && !a->o.count)
-        sheen_cli_say(cli, "all %d frames are there", a->n_steps * a->n_rounds);
+        sheen_cli_say(cli, "all %d frames are there", (a->n_steps + a->background) * a->n_rounds);
     else if (!st) {
         sheen_cli_keys_open();
         st = sheen_cli_table_open(&table, &config, cli, a->turntable, a->turntable_file, err);

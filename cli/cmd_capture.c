@@ -32,6 +32,8 @@ static sheen_status check(sheen_cli *cli, sheen_cli_capture *a, bool free_count,
                                "--count, --hook and --then out");
     if (a->o.bracket && (a->measure.flat || a->measure.response))
         return sheen_cli_usage(cli, err, "only --dark is taken for each exposure of --bracket");
+    if (a->background && !a->turntable)
+        return sheen_cli_usage(cli, err, "--background is of a turntable: give --turntable DEV");
     if (a->batch && !a->turntable)
         return sheen_cli_usage(cli, err, "--batch is of a turntable: give --turntable DEV");
     if (a->turntable)
@@ -112,6 +114,10 @@ static sheen_status parse(sheen_cli *cli, sheen_cli_capture *a, sheen_err *err)
         {"steps", 0, SHEEN_OPTION_INT, &a->n_steps, "N", "frames a turn (default: 24)", 3, 3600},
         {"rounds", 0, SHEEN_OPTION_INT, &a->n_rounds, "K",
          "turns, each with the camera at another height (default: 1)", 1, 9},
+        {"background", 0, SHEEN_OPTION_FLAG, &a->background, NULL,
+         "begin each round with a frame of the table without the\nobject: what hides what it shows is the "
+         "object",
+         0, 0},
         {"turntable-file", 0, SHEEN_OPTION_TEXT, &a->turntable_file, "FILE",
          "what is known of it (default:\n~/.config/sheen/turntable.json)", 0, 0},
         {"batch", 0, SHEEN_OPTION_TEXT, &a->batch, "FILE",
@@ -125,7 +131,7 @@ static sheen_status parse(sheen_cli *cli, sheen_cli_capture *a, sheen_err *err)
         {"then", 0, SHEEN_OPTION_TEXT, &w.then, "run",
          "after it the model, as 'sheen run' makes it; of a batch,\nof all objects that are complete", 0, 0},
         {"role", 0, SHEEN_OPTION_TEXT, &w.role, "ROLE",
-         "record them as input, calibration or test\n(default: what the source says)", 0, 0},
+         "record them as input, calibration, test or background\n(default: what the source says)", 0, 0},
         {"moving", 0, SHEEN_OPTION_TEXT, &w.moving, "WHAT",
          "of a new session: what moves between the frames,\ncamera (default) or object", 0, 0},
         {0},

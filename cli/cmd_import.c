@@ -2,9 +2,11 @@
 // cmd_import.c - sheen import: files that were made elsewhere into a session.
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "capture/import.h"
 #include "cli/cli.h"
+
 #include "cli/commands.h"
 
 typedef struct import_args {
@@ -17,7 +19,7 @@ static sheen_status parse(sheen_cli *cli, import_args *a, sheen_err *err)
     const sheen_option options[] = {
         {"role", 0, SHEEN_OPTION_TEXT, &a->role, "ROLE",
          "what the pictures are for: input (fitted; the default),\ncalibration (of the board alone), test "
-         "(held out)",
+         "(held out),\nbackground (without the object; docs/turntable.md)",
          0, 0},
         {"transfer", 0, SHEEN_OPTION_TEXT, &a->transfer, "CURVE",
          "how their numbers stand for light: srgb (default),\nlinear (default for floats), rec709, gamma22",
@@ -76,10 +78,14 @@ static void report(sheen_cli *cli, const import_args *a, const sheen_session *s,
                       sheen_cli_plural(r->n_highlights));
     if (a->o.mesh)
         sheen_cli_say(cli, "mesh taken from '%s'", a->o.mesh);
-    sheen_cli_say(cli, "'%s' has %zu input, %zu calibration, %zu test frames", s->path,
+    const size_t n_background = sheen_session_count_role(s, SHEEN_ROLE_BACKGROUND);
+    char background[40] = "";
+    if (n_background)
+        snprintf(background, sizeof background, ", %zu background", n_background);
+    sheen_cli_say(cli, "'%s' has %zu input, %zu calibration, %zu test%s frames", s->path,
                   sheen_session_count_role(s, SHEEN_ROLE_INPUT),
                   sheen_session_count_role(s, SHEEN_ROLE_CALIBRATION),
-                  sheen_session_count_role(s, SHEEN_ROLE_TEST));
+                  sheen_session_count_role(s, SHEEN_ROLE_TEST), background);
     sheen_json_put_string(&cli->out, "session", s->path);
     sheen_json_put_int(&cli->out, "new_frames", (long long)r->n_frames);
     sheen_json_put_int(&cli->out, "present_frames", (long long)r->n_present);

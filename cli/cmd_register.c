@@ -76,11 +76,12 @@ static void say_result(sheen_cli *cli, const sheen_register_result *r, const req
         sheen_json_put_number(&cli->out, "points_worst_px", r->points.worst_px);
     }
     if (r->masks_made)
-        sheen_cli_say(cli,
-                      "the session has no masks: what hides the board in %zu frames was taken for the object",
-                      r->n_masks);
+        sheen_cli_say(
+            cli, "the session has no masks: what hides the board%s in %zu frames was taken for the object",
+            r->n_backgrounds ? ", or what the picture without the object shows," : "", r->n_masks);
     if (r->from_masks) {
         sheen_json_put_bool(&cli->out, "masks_made", r->masks_made);
+        sheen_json_put_int(&cli->out, "backgrounds", (long long)r->n_backgrounds);
         sheen_cli_say(cli,
                       "outlines and masks of %zu frames: %.2f px apart (%.2f px rms), overlap %.2f %%; known "
                       "to %.3f mm "

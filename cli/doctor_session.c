@@ -85,10 +85,11 @@ static void check_frames(sheen_cli_findings *f, const sheen_session *s)
                         n_damaged, first);
     else
         sheen_cli_found(f, SHEEN_CLI_FINE, "session",
-                        "%zu input, %zu calibration, %zu test frames, all whole",
+                        "%zu input, %zu calibration, %zu test, %zu background frames, all whole",
                         sheen_session_count_role(s, SHEEN_ROLE_INPUT),
                         sheen_session_count_role(s, SHEEN_ROLE_CALIBRATION),
-                        sheen_session_count_role(s, SHEEN_ROLE_TEST));
+                        sheen_session_count_role(s, SHEEN_ROLE_TEST),
+                        sheen_session_count_role(s, SHEEN_ROLE_BACKGROUND));
     if (n_unlocked)
         sheen_cli_found(f, SHEEN_CLI_NOTE, "session",
                         "%zu frames were recorded without the lock: their exposures may differ", n_unlocked);

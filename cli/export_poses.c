@@ -73,7 +73,7 @@ static sheen_status gather(posed *out, sheen_camera *written, const sheen_sessio
                     : sheen_fail_memory(err, (double)(poses.n_poses * sizeof *out->views), "poses");
     for (size_t i = 0; !st && i < poses.n_poses; i++) {
         const sheen_frame_info *f = sheen_session_find(s, poses.poses[i].name);
-        if (!f || !poses.poses[i].found || f->role == SHEEN_ROLE_CALIBRATION)
+        if (!f || !poses.poses[i].found || !sheen_role_shows_object(f->role))
             continue;
         sheen_view *view = &out->views[out->count];
         st = sheen_progress_step(progress, "pictures", (int)i, (int)poses.n_poses, err);

@@ -49,7 +49,7 @@ static sheen_status find_rounds(posed *out, const sheen_session *s, const sheen_
     for (size_t i = 0; i < s->n_frames; i++) {
         const sheen_frame_info *f = &s->frames[i];
         const sheen_frame_pose *pose = sheen_poses_find(poses, f->name);
-        if (!pose || !pose->found || f->role == SHEEN_ROLE_CALIBRATION)
+        if (!pose || !pose->found || !sheen_role_shows_object(f->role))
             continue;
         sheen_round_frame *g = &out->frames[out->n];
         snprintf(g->name, sizeof g->name, "%s", f->name);

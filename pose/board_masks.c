@@ -28,7 +28,9 @@ static const double speck = 0.03;        // of the largest piece's area
 static const float most_evidence = 4;    // of one pixel, in logarithms of odds
 static const float least_evidence = 1;   // of the surest pixel about one that counts
 static const float least_noise = 0.012f; // of a square root of light, print and resampling included
-static const float far_off = 4;          // in parts of the noise: certainly not the plane
+static const double board_margin =
+    1.15;                       // of its half sides: its paper and the plate that it lies on turn, too
+static const float far_off = 4; // in parts of the noise: certainly not the plane
 static const float relit_least = 0.35f, relit_most = 1.2f; // s, of square roots of light
 static const float relit_tint = 0.06f;                     // by which s differs between channels
 static const float relit_share = 0.3f;                     // of the plane's places, on a turntable
@@ -41,8 +43,9 @@ typedef struct view_job {
     sheen_image *mask;
     const float *directions; // [rows][columns][3] in the camera's frame, every GRID_PX pixels
     int columns;
-    sheen_Rt Rt_board_cam;
-    float gain, noise;
+    sheen_Rt Rt_board_cam, Rt_board_empty; // of the view, of its picture without the object
+    double half_board_m[2];
+    float gain, noise, empty_gain; // gains: to the plane's exposure
     bool turned;
     const float *colours; // [N_BINS] log density of the object's colours; NULL: not known yet
 } view_job;
@@ -76,27 +79,72 @@ static sheen_status make_directions(float **out, int *columns, const sheen_camer
     return s;
 }
 
-// Range of the plane's colours about the place that a pixel looks at; false where it is not known.
-static bool plane_colours(float low[3], float high[3], const view_job *j, int x, int y)
+// Direction of a pixel's line of sight in the camera's frame.
+static void line_of_sight(double d_cam[3], const view_job *j, int x, int y)
 {
     const int i = x / GRID_PX, k = y / GRID_PX;
     const float *a = j->directions + 3 * (size_t)(k * j->columns + i), *b = a + 3 * (size_t)j->columns;
     const float u = (float)(x % GRID_PX) / GRID_PX, v = (float)(y % GRID_PX) / GRID_PX;
-    double d_cam[3], d[3];
     for (int c = 0; c < 3; c++)
         d_cam[c] = (double)((1 - v) * ((1 - u) * a[c] + u * a[c + 3]) + v * ((1 - u) * b[c] + u * b[c + 3]));
-    sheen_Rt_direction(d, &j->Rt_board_cam, d_cam);
-    const double s = -j->Rt_board_cam.t[2] / d[2];
-    if (!(s > 0) || !isfinite(s))
-        return false;
-    const double px = (j->Rt_board_cam.t[0] + s * d[0] - j->plane->x0_m) / j->plane->pitch_m,
-                 py = (j->Rt_board_cam.t[1] + s * d[1] - j->plane->y0_m) / j->plane->pitch_m;
-    if (!(px >= 1 && py >= 1 && px < j->plane->rgb.width_px - 2 && py < j->plane->rgb.height_px - 2))
-        return false;
+}
+
+// Where a line of sight meets the board's plane; false: nowhere.
+static bool meet_plane(double q_m[2], const sheen_Rt *Rt_board_cam, const double d_cam[3])
+{
+    double d[3];
+    sheen_Rt_direction(d, Rt_board_cam, d_cam);
+    const double s = -Rt_board_cam->t[2] / d[2];
+    for (int k = 0; k < 2; k++)
+        q_m[k] = Rt_board_cam->t[k] + s * d[k];
+    return s > 0 && isfinite(s);
+}
+
+static void begin_range(float low[3], float high[3])
+{
     for (int c = 0; c < 3; c++) {
         low[c] = INFINITY;
         high[c] = -INFINITY;
     }
+}
+
+// Range of the colours about a pixel without the object, where the board lies neither now nor lay then.
+static bool empty_colours(float low[3], float high[3], const view_job *j, int x, int y)
+{
+    const sheen_Rt *const boards[2] = {&j->Rt_board_cam, &j->Rt_board_empty};
+    double d_cam[3], q_m[2];
+    if (!j->view->empty || x < 1 || y < 1 || x > j->camera->width_px - 2 || y > j->camera->height_px - 2)
+        return false;
+    line_of_sight(d_cam, j, x, y);
+    for (int i = 0; i < 2; i++)
+        if (meet_plane(q_m, boards[i], d_cam) && fabs(q_m[0]) < board_margin * j->half_board_m[0] &&
+            fabs(q_m[1]) < board_margin * j->half_board_m[1])
+            return false;
+    begin_range(low, high);
+    for (int dy = -1; dy <= 1; dy++)
+        for (int dx = -1; dx <= 1; dx++) {
+            float root[3];
+            root_of(root, sheen_image_at(j->view->empty->rgb, x + dx, y + dy), j->empty_gain);
+            for (int c = 0; c < 3; c++) {
+                low[c] = fminf(low[c], root[c]);
+                high[c] = fmaxf(high[c], root[c]);
+            }
+        }
+    return true;
+}
+
+// Range of the plane's colours about the place that a pixel looks at; false where it is not known.
+static bool plane_colours(float low[3], float high[3], const view_job *j, int x, int y)
+{
+    double d_cam[3], q_m[2];
+    line_of_sight(d_cam, j, x, y);
+    if (!meet_plane(q_m, &j->Rt_board_cam, d_cam))
+        return false;
+    const double px = (q_m[0] - j->plane->x0_m) / j->plane->pitch_m,
+                 py = (q_m[1] - j->plane->y0_m) / j->plane->pitch_m;
+    if (!(px >= 1 && py >= 1 && px < j->plane->rgb.width_px - 2 && py < j->plane->rgb.height_px - 2))
+        return false;
+    begin_range(low, high);
     const int x0 = (int)lround(px), y0 = (int)lround(py);
     for (int dy = -1; dy <= 1; dy++)
         for (int dx = -1; dx <= 1; dx++) {
@@ -193,7 +241,7 @@ static void weigh_rows(void *self, size_t begin, size_t end)
         for (int x = 0; x < j->camera->width_px; x++) {
             float low[3], high[3], root[3], *out = sheen_image_at(j->mask, x, (int)y);
             *out = NAN;
-            if (!plane_colours(low, high, j, x, (int)y))
+            if (!empty_colours(low, high, j, x, (int)y) && !plane_colours(low, high, j, x, (int)y))
                 continue;
             root_of(root, sheen_image_at(j->view->rgb, x, (int)y), j->gain);
             if (!j->colours) {
@@ -235,6 +283,28 @@ static sheen_status measure(view_job *j, sheen_err *err)
             j->noise = fmaxf(least_noise, 1.4826f * (float)values[n / 2]);
     }
     free(values);
+    return SHEEN_OK;
+}
+
+// The exposure of the picture without the object against the plane's: the median over what is in both.
+static sheen_status measure_empty(view_job *j, sheen_err *err)
+{
+    const size_t most = (size_t)j->camera->width_px * (size_t)j->camera->height_px / (GRID_PX * GRID_PX) + 1;
+    double *ratios = malloc(most * sizeof *ratios);
+    size_t n = 0;
+    if (!ratios)
+        return sheen_fail_memory(err, 8.0 * (double)most, "a mask");
+    j->empty_gain = 1;
+    for (int y = GRID_PX / 2; y < j->camera->height_px; y += GRID_PX)
+        for (int x = GRID_PX / 2; x < j->camera->width_px && n < most; x += GRID_PX) {
+            float low[3], high[3], root[3];
+            root_of(root, sheen_image_at(j->view->rgb, x, y), j->gain);
+            if (empty_colours(low, high, j, x, y) && low[1] > 0.05f && high[1] - low[1] < 0.1f)
+                ratios[n++] = (double)(2 * root[1] / (low[1] + high[1]));
+        }
+    qsort(ratios, n, sizeof *ratios, sheen_ascending);
+    j->empty_gain = n ? (float)ratios[n / 2] : j->gain;
+    free(ratios);
     return SHEEN_OK;
 }
 
@@ -388,12 +458,19 @@ sheen_status sheen_board_masks_make(sheen_image *masks, const sheen_camera *came
         jobs[v] = (view_job){camera,          &plane,  &views[v], &masks[v],
                              directions,      columns, .gain = 1, .noise = least_noise,
                              .turned = turned};
+        jobs[v].half_board_m[0] = 0.5 * board->n_cols * board->square_m;
+        jobs[v].half_board_m[1] = 0.5 * board->n_rows * board->square_m;
         sheen_Rt Rt_cam_board;
         sheen_Rt_from_rt(&Rt_cam_board, views[v].rt_cam_board);
         sheen_Rt_invert(&jobs[v].Rt_board_cam, &Rt_cam_board);
         s = sheen_image_init(&masks[v], camera->width_px, camera->height_px, 1, err);
         if (!s)
             s = measure(&jobs[v], err);
+        if (!s && views[v].empty) {
+            sheen_Rt_from_rt(&Rt_cam_board, views[v].empty->rt_cam_board);
+            sheen_Rt_invert(&jobs[v].Rt_board_empty, &Rt_cam_board);
+            s = measure_empty(&jobs[v], err);
+        }
         if (!s)
             sheen_parallel_for((size_t)camera->height_px, 16, n_threads, weigh_rows, &jobs[v]);
     }

@@ -221,14 +221,6 @@ sheen_status sheen_moved_find(sheen_moved_verdict *out, const sheen_camera *came
     return SHEEN_OK;
 }
 
-// Frames that a turntable's recording took are called "r<round>-<step>" (capture/turn_steps.h); 0: another frame.
-static int round_of(const sheen_frame_info *f)
-{
-    char *end;
-    const long round = f->name[0] == 'r' && isfinite(f->table_asked_deg) ? strtol(f->name + 1, &end, 10) : 0;
-    return round > 0 && round < 1000 && *end == '-' ? (int)round : 0;
-}
-
 sheen_status sheen_moved_in_session(sheen_moved_verdict *out, const sheen_session *s,
                                     const sheen_camera *camera, const sheen_board *board,
                                     const sheen_poses *poses, size_t most, sheen_err *err)
@@ -245,7 +237,7 @@ sheen_status sheen_moved_in_session(sheen_moved_verdict *out, const sheen_sessio
     sheen_status st = SHEEN_OK;
     for (size_t i = 0; i < s->n_frames && n < most && !st; i++) {
         const sheen_frame_pose *p = sheen_poses_find(poses, s->frames[i].name);
-        if (!p || !p->found || s->frames[i].role == SHEEN_ROLE_CALIBRATION)
+        if (!p || !p->found || !sheen_role_shows_object(s->frames[i].role))
             continue;
         sheen_moved_frame *f = &frames[n];
         memcpy(f->rt_cam_board, p->rt_cam_board, sizeof f->rt_cam_board);
@@ -254,7 +246,7 @@ sheen_status sheen_moved_in_session(sheen_moved_verdict *out, const sheen_sessio
         sheen_image_release(&lights[n % 2]);
         st = sheen_session_grey(&lights[n % 2], s, &s->frames[i], err);
         f->light = &lights[n % 2];
-        f->round = round_of(&s->frames[i]);
+        f->round = isfinite(s->frames[i].table_asked_deg) ? sheen_frame_round(&s->frames[i]) : 0;
         if (!st && n && f->round == frames[n - 1].round)
             st = compare_pair(&v, camera, half_m, height_m, &frames[n - 1], f, err);
         n++;

@@ -17,6 +17,9 @@ extern "C" {
 typedef struct sheen_plane_view {
     double rt_cam_board[6];
     const sheen_image *rgb; // of the camera's size, linear
+    // What a camera that stood as in this view saw without the object; the board may have lain turned otherwise. NULL: not
+    // known.
+    const struct sheen_plane_view *empty;
 } sheen_plane_view;
 
 // Pixel (i, j) is the place (x0_m + i pitch_m, y0_m + j pitch_m, 0) of the board's frame. Colours are square roots of linear

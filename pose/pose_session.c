@@ -59,7 +59,7 @@ static sheen_status list_frames(inputs *in, const sheen_session *s, sheen_err *e
         return sheen_fail_memory(err, (double)s->n_frames * sizeof *in->frames, "the list of frames");
     for (size_t i = 0; i < s->n_frames; i++) {
         const sheen_frame_info *f = &s->frames[i];
-        if (f->role != SHEEN_ROLE_INPUT && f->role != SHEEN_ROLE_TEST)
+        if (f->role == SHEEN_ROLE_CALIBRATION)
             continue;
         if (f->width_px != in->camera.width_px || f->height_px != in->camera.height_px)
             return sheen_fail(

@@ -9,7 +9,7 @@
 
 #include "base/file.h"
 #include "base/image_file.h"
-#include "pose/board_masks.h"
+#include "pose/session_masks.h"
 
 enum { MAX_VIEWS = 24, MAX_MADE = 12, MAX_OVERLAYS = 12 };
 
@@ -24,7 +24,7 @@ typedef struct inputs {
     sheen_camera camera;
     sheen_poses poses;
     seen *seen;
-    size_t n_seen, n_masks;
+    size_t n_seen, n_masks, n_backgrounds;
 } inputs;
 
 static sheen_status load_files(inputs *in, const sheen_session *s, sheen_err *err)
@@ -98,32 +98,16 @@ static sheen_status by_masks(sheen_register_result *out, const inputs *in, const
 // Masks of at most MAX_MADE frames, evenly chosen, where the session has none.
 static sheen_status make_masks(inputs *in, const sheen_session *s, int n_threads, sheen_err *err)
 {
-    char path[SHEEN_PATH_MAX];
-    sheen_board board;
-    sheen_image pictures[MAX_MADE] = {{0}}, masks[MAX_MADE] = {{0}};
-    sheen_plane_view views[MAX_MADE];
+    const sheen_frame_info *frames[MAX_MADE];
+    sheen_image masks[MAX_MADE] = {{0}};
     const size_t n = in->n_seen < MAX_MADE ? in->n_seen : MAX_MADE;
-    sheen_status st = sheen_session_path(path, s, SHEEN_SESSION_BOARD, err);
-    if (!st)
-        st = sheen_board_load(&board, path, err);
-    if (st)
-        return st;
-    for (size_t i = 0; i < n && !st; i++) {
-        const seen *v = &in->seen[i * in->n_seen / n];
-        st = sheen_session_image(&pictures[i], s, v->frame, err);
-        views[i].rgb = &pictures[i];
-        memcpy(views[i].rt_cam_board, v->pose->rt_cam_board, sizeof views[i].rt_cam_board);
-    }
-    if (!st)
-        st = sheen_board_masks_make(masks, &in->camera, &board, views, n, s->moving == SHEEN_MOVING_OBJECT,
-                                    n_threads, err);
-    for (size_t i = 0; i < n; i++) {
-        if (!st)
-            in->seen[i * in->n_seen / n].mask = masks[i];
-        sheen_image_release(&pictures[i]);
-    }
+    for (size_t i = 0; i < n; i++)
+        frames[i] = in->seen[i * in->n_seen / n].frame;
+    const sheen_status st = sheen_session_masks_make(masks, &in->n_backgrounds, s, &in->camera, &in->poses,
+                                                     frames, n, n_threads, err);
+    for (size_t i = 0; i < n && !st; i++)
+        in->seen[i * in->n_seen / n].mask = masks[i];
     in->n_masks = st ? 0 : n;
-    sheen_board_release(&board);
     return st;
 }
 
@@ -148,6 +132,7 @@ static sheen_status find(sheen_register_result *out, inputs *in, const sheen_ses
                 "the session has no masks to find the mesh by (sheen import --masks), no points are "
                 "marked (--points), and what hides the board cannot be told");
         out->masks_made = true;
+        out->n_backgrounds = in->n_backgrounds;
     }
     return in->n_masks ? by_masks(out, in, mesh, o, err) : SHEEN_OK;
 }

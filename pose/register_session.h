@@ -23,7 +23,8 @@ typedef struct sheen_register_session_options {
 typedef struct sheen_register_result {
     sheen_registration registration; // from masks; where there are none, placement and sigmas from the marks
     bool from_points, from_masks;
-    bool masks_made; // of what hides the board
+    bool masks_made;      // of what hides the board,
+    size_t n_backgrounds; // and of what hides so many pictures without the object
     sheen_register_points_fit points;
     size_t n_masks, n_overlays;
 } sheen_register_result;

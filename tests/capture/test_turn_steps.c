@@ -95,6 +95,7 @@ typedef struct station {
     sheen_turn_options o;
     sheen_table_options to;
     int n_rounds_asked, stop_after;
+    int n_off, n_on; // times that the object was asked to be taken off, and put on
     bool blind;
 } station;
 
@@ -125,6 +126,17 @@ static sheen_status next_round(void *self, int i_round, sheen_err *err)
     (void)err;
     assert_int_equal(i_round, 2);
     st->n_rounds_asked++;
+    return SHEEN_OK;
+}
+
+static sheen_status place_object(void *self, int i_round, bool on, sheen_err *err)
+{
+    station *st = self;
+    (void)err;
+    st->n_off += !on;
+    st->n_on += on;
+    assert_int_equal(st->n_off, i_round); // in turn
+    assert_int_equal(st->n_on, on ? i_round : i_round - 1);
     return SHEEN_OK;
 }
 
@@ -232,6 +244,38 @@ static double angle_of(station *st, const char *name)
     return angle_deg;
 }
 
+// Two rounds, each of which begins with the empty table at the place of its first step; also where the cable is pulled.
+static void a_round_begins_with_the_empty_table(void **state)
+{
+    for (int cut = 0; cut < 2; cut++) {
+        station st;
+        sheen_err err;
+        build(&st, *state, cut ? "cut-empty.session" : "empty.session");
+        st.o.place_object = place_object;
+        st.o.n_rounds = 2;
+        assert_int_equal(sheen_turn_steps_missing(&st.session, &st.o), 2 * (STEPS + 1));
+        if (cut) {
+            st.board.faults.cut_at_move = 2;
+            assert_fails(record_once(&st, &err), err, SHEEN_ENODEV, "is gone");
+            st.board.faults = (fake_grbl_faults){0};
+        }
+        assert_ok(record_once(&st, &err), err);
+        assert_int_equal(sheen_turn_steps_missing(&st.session, &st.o), 0);
+        assert_int_equal(sheen_session_count_role(&st.session, SHEEN_ROLE_BACKGROUND), 2);
+        assert_int_equal(sheen_session_count_role(&st.session, SHEEN_ROLE_INPUT), 2 * STEPS);
+        assert_int_equal(st.n_on, 2);
+        for (int r = 1; r <= 2; r++) {
+            char empty[16], first[16];
+            snprintf(empty, sizeof empty, "r%d-empty", r);
+            snprintf(first, sizeof first, "r%d-000", r);
+            assert_int_equal(sheen_frame_round(sheen_session_find(&st.session, empty)), r);
+            const double off = angle_of(&st, empty) - angle_of(&st, first);
+            assert_close(off - 360 * round(off / 360), 0, 0.3);
+        }
+        sheen_session_release(&st.session);
+    }
+}
+
 // The commanded angles tie the rounds together: the same one is the same place of the table, also where the program was
 // started anew in between and the table had been turned by hand.
 static void angles_count_on_from_round_to_round(void **state)
@@ -325,6 +369,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_turn_is_recorded_step_by_step, test_scratch_setup,
                                         test_scratch_teardown),
         cmocka_unit_test_setup_teardown(a_second_round_asks_for_the_camera, test_scratch_setup,
+                                        test_scratch_teardown),
+        cmocka_unit_test_setup_teardown(a_round_begins_with_the_empty_table, test_scratch_setup,
                                         test_scratch_teardown),
         cmocka_unit_test_setup_teardown(angles_count_on_from_round_to_round, test_scratch_setup,
                                         test_scratch_teardown),
