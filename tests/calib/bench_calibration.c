@@ -185,7 +185,7 @@ static void beside_others(void **state)
 static void a_frame(void **state)
 {
     (void)state;
-    enum { RUNS = 9 };
+    enum { RUNS = 9, POSES = 100 }; // a pose alone is less than a tick of the processor's clock
     sheen_err err;
     problem p;
     sheen_tag_detector *detector;
@@ -203,10 +203,11 @@ static void a_frame(void **state)
         const double a = sheen_stopwatch_now().cpu_s;
         assert_ok(sheen_board_observe(&view, detector, grey, 1280, 960, &p.board, &err), err);
         const double b = sheen_stopwatch_now().cpu_s;
-        assert_ok(sheen_board_pose_find(&pose, is_inlier, &p.truth, &p.board, &view, &err), err);
+        for (int k = 0; k < POSES; k++)
+            assert_ok(sheen_board_pose_find(&pose, is_inlier, &p.truth, &p.board, &view, &err), err);
         const double c = sheen_stopwatch_now().cpu_s;
         best_observe = fmin(best_observe, b - a);
-        best_pose = fmin(best_pose, c - b);
+        best_pose = fmin(best_pose, (c - b) / POSES);
         sheen_board_view_release(&view);
     }
     printf("a frame of 1280 x 960, noise 2 DN: tags and saddles %.1f ms, pose %.2f ms of CPU\n",
