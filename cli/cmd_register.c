@@ -84,8 +84,7 @@ static void say_result(sheen_cli *cli, const sheen_register_result *r, const req
         sheen_json_put_int(&cli->out, "backgrounds", (long long)r->n_backgrounds);
         sheen_cli_say(cli,
                       "outlines and masks of %zu frames: %.2f px apart (%.2f px rms), overlap %.2f %%; known "
-                      "to %.3f mm "
-                      "and %.3f degrees",
+                      "to %.3f mm and %.3f degrees, as far as the outlines go",
                       g->n_views, g->misfit.border_px, g->misfit.rms_px, 100 * g->misfit.overlap,
                       1e3 * g->sigma_m, DEG_PER_RAD * g->sigma_rad);
         sheen_json_put_number(&cli->out, "border_px", g->misfit.border_px);
