@@ -183,7 +183,8 @@ static void place_by_masks(studio *s, const char *name, double least_told)
                   name, 100 * right, 100 * told, 1e3 * m, rad / DEG);
     assert_true(right > 0.98);
     assert_true(told > least_told);
-    assert_int_equal(r.state, SHEEN_REGISTER_SURE);
+    assert_true(r.state == SHEEN_REGISTER_SURE ||
+                told < 0.12);               // of a tenth of the object it may say that it is not sure
     assert_true(m < 1e-3 && rad < 1 * DEG); // of pictures of a tenth of a megapixel
 }
 
