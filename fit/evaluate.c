@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "base/pose3.h"
+#include "fit/fill_holes.h"
 
 const char *sheen_evaluation_method_name(int method)
 {
@@ -56,6 +57,8 @@ static sheen_status draw_method(sheen_layers *layers, const bench *b, int method
     sheen_drawing *drawing = NULL;
     sheen_status s = sheen_baseline_texture(&texture, (sheen_baseline)(method - 1), &b->model->mesh,
                                             &b->texels, rt_obj_cam + 3, b->o->n_threads, err);
+    if (!s && b->o->fill_baselines)
+        s = sheen_fill_holes(&texture, &b->model->mesh, err);
     const sheen_model plain = plain_model(b->model, &texture);
     if (!s && !(s = sheen_drawing_new(&drawing, &plain, err)))
         s = sheen_draw(layers, drawing, &b->tests->cam, photo->rt_cam_obj, photo->rt_world_obj, &o, err);

@@ -9,7 +9,8 @@
 // one pinhole camera. World's z is up: the mean normal of the surface that faces about where the cameras' tops point; its plane
 // z = 0, which may be mirrored, lies under the mesh. --folds K leaves every K-th out (default: each). --from, --to: photographs by name.
 // --exposures agreed: all photographs, those left out too, are first divided by the gains with which they agree on the surface (fit/align.h): the
-// exposure of an automatic camera is nothing that a model of the object could predict. All methods get the same photographs.
+// exposure of an automatic camera is nothing that a model of the object could predict. All methods get the same photographs, and
+// surface that none of those shows is filled in the baselines as it is in the model.
 #include <dirent.h>
 #include <math.h>
 #include <stdio.h>
@@ -251,7 +252,8 @@ static void run_fold(sheen_evaluation *all, const capture *c, const arguments *a
     const sheen_paper_options o = {.without = a->without};
     sheen_comparison comparison = {.dir = a->pictures};
     const sheen_evaluate_options eo = {.picture = a->pictures ? sheen_comparison_add : NULL,
-                                       .picture_self = &comparison};
+                                       .picture_self = &comparison,
+                                       .fill_baselines = 1};
     sheen_photos inputs = c->photos, tests = c->photos;
     sheen_paper_fit f;
     sheen_evaluation e;

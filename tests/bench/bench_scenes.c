@@ -2,10 +2,10 @@
 // bench_scenes.c - every method on exact scenes, a row each: what is recovered, and how well held-out views are predicted.
 //
 //     bench_scenes [--method NAME] [--seeds FIRST-LAST] [--size SHARE] [--but WHAT,...] [--without NAME,...]
-//                  [--ablation] [--lamps] [--views N] [--turned HEIGHTS] [--pictures DIR] [SCENE...]
+//                  [--brightness FACTOR] [--ablation] [--lamps] [--views N] [--turned HEIGHTS] [--pictures DIR] [SCENE...]
 //
 // --but takes a difficulty out of the scenes: near, discs, coloured, ggx, k_s-map, pose, normals. --without leaves extensions
-// (fit/extensions.h) out of the refined method; --ablation adds a row without each of them in turn. --lamps lists the lamps
+// (fit/extensions.h) out of the refined method; --ablation adds a row without each of them in turn. --brightness: of the lamps, 1 unless the scene has its own. --lamps lists the lamps
 // found, each beside the true light nearest to it. --views asks for so many photographs to fit instead of 8; with --turned
 // they are of an object that turns under its lights, seen by a camera at so many heights, one after the other.
 //
@@ -29,7 +29,7 @@ typedef struct arguments {
     const char *method, *pictures, *but;
     sheen_extensions without;
     int ablation, print_lamps, first, last;
-    double size;
+    double size, brightness;
     int n_inputs, n_heights; // 0: as the scene has them
 } arguments;
 
@@ -118,9 +118,10 @@ static void fit_scene(const exact_scene *s, const char *label, sheen_fit_method 
     const double fit_s = cpu_s() - start_s;
     exact_score_model(&score, s, &f.model);
     exact_score_print(stdout, label, sheen_fit_method_name(method), &score);
-    printf("%40s poses off by %.2f px, exposures by %.3f EV; %zu lights, %d glosses, %.1f CPU s\n", "",
-           pose_error_px(s, &inputs), exposure_error_ev(s, &f.align), f.model.lights.count + f.model.n_lamps,
-           f.model.gloss.n, fit_s);
+    printf("%40s poses off by %.2f px, exposures by %.3f EV; %.1f %% clipped; %zu lights, %d glosses, %.1f "
+           "CPU s\n",
+           "", pose_error_px(s, &inputs), exposure_error_ev(s, &f.align), 100 * s->clipped_share,
+           f.model.lights.count + f.model.n_lamps, f.model.gloss.n, fit_s);
     if (a->print_lamps)
         print_lamps(s, &f.model);
     free(inputs.photos);
@@ -157,6 +158,8 @@ static void run_scene(const arguments *a, const char *name, int seed)
         exit(2);
     }
     o.size = a->size;
+    if (a->brightness > 0)
+        o.brightness = a->brightness;
     o.n_inputs = (size_t)a->n_inputs;
     o.n_heights = (size_t)a->n_heights;
     ease(&o, a->but);
@@ -195,6 +198,8 @@ int main(int argc, char **argv)
             a.pictures = argv[++i];
         else if (!strcmp(argv[i], "--size") && i + 1 < argc)
             a.size = strtod(argv[++i], NULL);
+        else if (!strcmp(argv[i], "--brightness") && i + 1 < argc)
+            a.brightness = strtod(argv[++i], NULL);
         else if (!strcmp(argv[i], "--views") && i + 1 < argc)
             a.n_inputs = (int)strtol(argv[++i], NULL, 10);
         else if (!strcmp(argv[i], "--turned") && i + 1 < argc)

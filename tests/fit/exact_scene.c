@@ -19,10 +19,10 @@ enum { IRRADIANCE_EDGE = 6 };
 
 static const double pi = 3.14159265358979323846;
 
-const char *const exact_scene_names[] = {"far",      "near",      "sphere",     "sigma-.0114", "sigma-.1",
-                                         "noise",    "discs",     "coloured",   "ggx",         "k_s-map",
-                                         "matte",    "saturated", "pose",       "pose-1.5",    "normals",
-                                         "embossed", "drift",     "everything", NULL};
+const char *const exact_scene_names[] = {"far",     "near",     "sphere",    "sigma-.0114", "sigma-.1",
+                                         "noise",   "discs",    "coloured",  "ggx",         "k_s-map",
+                                         "matte",   "metal",    "saturated", "pose",        "pose-1.5",
+                                         "normals", "embossed", "drift",     "everything",  NULL};
 
 static int is(const char *name, const char *scene)
 {
@@ -45,9 +45,11 @@ int exact_scene_options(exact_options *out, const char *name, uint64_t seed)
                            .coloured = is(name, "coloured") || all,
                            .k_s_map = is(name, "k_s-map") || all,
                            .matte = is(name, "matte"),
-                           .sigma_rad = is(name, "sigma-.0114")                        ? 0.0114
-                                        : is(name, "sigma-.1") || is(name, "embossed") ? 0.1
-                                                                                       : 0.03,
+                           .metal = is(name, "metal"),
+                           .sigma_rad = is(name, "sigma-.0114") ? 0.0114
+                                        : is(name, "sigma-.1") || is(name, "embossed") || is(name, "metal")
+                                            ? 0.1
+                                            : 0.03,
                            .ggx_alpha = is(name, "ggx") || all ? 0.06 : 0,
                            .brightness = is(name, "saturated") ? 2.5 : 1,
                            .noise = is(name, "noise") ? 0.02 : 0.005,
@@ -97,7 +99,7 @@ static void paint(exact_scene *s, uint64_t *seed)
     static const double levels[3] = {1, 0.5, 0.2};
     for (int i = 0; i < EXACT_COLOURS; i++) {
         for (int c = 0; c < 3; c++)
-            s->albedo[i][c] = 0.06 + 0.6 * test_random(seed);
+            s->albedo[i][c] = (0.06 + 0.6 * test_random(seed)) * (s->o.metal ? 0 : 1);
         s->k_s[i] = s->o.matte ? 0 : s->o.k_s_map ? levels[i % 3] : 1;
     }
     for (int i = 0; i < EXACT_CELLS; i++) {

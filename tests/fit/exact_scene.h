@@ -22,6 +22,7 @@ typedef struct exact_options {
     double disc_deg;       // radius of each light as seen from the object; 0: points
     int coloured, k_s_map; // k_s_map: 1, 0.5 or 0.2 by colour of paint
     int matte;             // k_S 0: lights brighten the paint, and nothing shines
+    int metal;             // no diffuse part: all light is reflected at the surface
     double sigma_rad;      // of eq. (7)
     double ggx_alpha;      // > 0: GGX of this roughness with F0 = 0.04 instead of eq. (7)
     double brightness;     // times the lights' strength; 0: 1. 2.5 clips highlights

@@ -104,6 +104,75 @@ static void a_matte_object_gets_no_highlights(void **state)
     exact_scene_release(&s);
 }
 
+// White is a lower bound: lamps whose highlights are cut off at 1 to 5 % of the object's pixels are as strong as they are.
+static void clipped_highlights_keep_their_lamps(void **state)
+{
+    (void)state;
+    exact_options o;
+    exact_scene s;
+    exact_score e;
+    sheen_paper_fit f;
+    sheen_err err;
+    const sheen_paper_options fo = {0};
+    assert_true(exact_scene_options(&o, "saturated", 41));
+    o.brightness = 4;
+    o.size = 0.33;
+    exact_scene_make(&s, &o);
+    assert_ok(sheen_fit_make(&f, SHEEN_FIT_REFINED, SHEEN_MOVING_CAMERA, &s.mesh, &s.inputs, &fo, &err), err);
+    exact_score_model(&e, &s, &f.model);
+    exact_score_print(stdout, "saturated", "refined", &e);
+    print_message("%.1f %% of the pixels clipped\n", 100 * s.clipped_share);
+    assert_true(s.clipped_share > 0.01 && s.clipped_share < 0.05);
+    assert_int_equal(e.n_found, EXACT_LIGHTS);
+    assert_true(e.strength_error < 0.1);
+    sheen_paper_fit_release(&f);
+    exact_scene_release(&s);
+}
+
+// Mean luminance of the texels that were seen.
+static double mean_luminance(const sheen_texture *t)
+{
+    const size_t n_texels = t->n_triangles * sheen_texels_per_triangle(t->texels_per_edge);
+    double sum = 0;
+    size_t n = 0;
+    for (size_t i = 0; i < n_texels; i++)
+        if (t->n_views[i]) {
+            sum += (double)sheen_luminance(t->rgb + 3 * i);
+            n++;
+        }
+    return n ? sum / (double)n : 0;
+}
+
+// What every photograph shows of a metal is light reflected at its surface: none of it is the base's.
+static void a_metal_has_no_base(void **state)
+{
+    (void)state;
+    exact_options o;
+    exact_scene s;
+    exact_score e;
+    double base[2];
+    sheen_err err;
+    assert_true(exact_scene_options(&o, "metal", 32));
+    o.size = 0.33;
+    exact_scene_make(&s, &o);
+    for (int i = 0; i < 2; i++) {
+        sheen_paper_fit f;
+        const sheen_paper_options fo = {.stop_after = i ? SHEEN_PAPER_ALL : SHEEN_PAPER_TEXTURE};
+        assert_ok(sheen_fit_make(&f, i ? SHEEN_FIT_REFINED : SHEEN_FIT_PAPER, SHEEN_MOVING_CAMERA, &s.mesh,
+                                 &s.inputs, &fo, &err),
+                  err);
+        base[i] = mean_luminance(&f.model.texture);
+        if (i)
+            exact_score_model(&e, &s, &f.model);
+        sheen_paper_fit_release(&f);
+    }
+    exact_score_print(stdout, "metal", "refined", &e);
+    print_message("base %.4f, by the minimum %.4f\n", base[1], base[0]);
+    assert_true(base[1] < 0.005);
+    assert_true(e.composite_db > e.true_specular_db - 1);
+    exact_scene_release(&s);
+}
+
 // Texture, lamps, gloss and surroundings of a fit with one thread and with three: the same to the bit.
 static void threads_do_not_change_the_answer(void **state)
 {
@@ -147,6 +216,8 @@ int main(void)
         cmocka_unit_test(the_paper_on_its_own_ground),
         cmocka_unit_test(no_lamp_too_few_or_too_many),
         cmocka_unit_test(a_matte_object_gets_no_highlights),
+        cmocka_unit_test(clipped_highlights_keep_their_lamps),
+        cmocka_unit_test(a_metal_has_no_base),
         cmocka_unit_test(threads_do_not_change_the_answer),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
