@@ -229,14 +229,41 @@ static void remove_lamp(sheen_lamp_list *list, size_t i)
     list->n--;
 }
 
-// Keeps a shorter list where E rises by less than what the parameters that it saves are worth.
-static sheen_status try_shorter(search *q, sheen_lamp_list *shorter, int *kept, sheen_err *err)
+// E where n of a list's lamps are refined, all others and the lobe held.
+static sheen_status cost_of_some(double *cost, search *q, const sheen_lamp_list *list, const size_t *which,
+                                 size_t n, sheen_err *err)
 {
-    const sheen_status s = refine(q, shorter, 5, err);
-    *kept = !s && shorter->cost < q->list->cost + worth(q, LAMP_PARAMETERS);
-    if (*kept)
-        *q->list = *shorter;
+    sheen_lamp_list others = *list;
+    sheen_lamp lamps[SHEEN_LAMP_FIT_MAX];
+    sheen_lamp_fit_options o = q->o.fit;
+    sheen_lamp_fit_result result = {.cost = HUGE_VAL};
+    o.max_iterations = 6;
+    o.free_sigma = o.free_tail = o.free_fresnel = 0;
+    for (size_t k = n; k-- > 0;) { // ascending: the last first
+        lamps[k] = list->lamps[which[k]];
+        remove_lamp(&others, which[k]);
+    }
+    sheen_status s = predict(q, q->trial, &others, err);
+    if (!s)
+        s = sheen_lamp_fit(lamps, n, &others.lobe, q->samples, q->trial, &o, &result, err);
+    *cost = result.cost;
     return s;
+}
+
+// Takes `other`, in which the lamps `which` are new, for the list where E is then below `most`. What they reach by themselves is
+// looked at first: where that is not within `far` of it, which is most often, all together would not come there either.
+static sheen_status try_list(search *q, sheen_lamp_list *other, const size_t *which, size_t n, double most,
+                             double far, int *kept, sheen_err *err)
+{
+    double cost;
+    sheen_status s = cost_of_some(&cost, q, other, which, n, err);
+    *kept = 0;
+    if (s || cost > most + far || (s = refine(q, other, 5, err)))
+        return s;
+    *kept = other->cost < most;
+    if (*kept)
+        *q->list = *other;
+    return SHEEN_OK;
 }
 
 static int is_out_of_place(const search *q, const sheen_lamp *lamp)
@@ -322,7 +349,10 @@ static sheen_status join_neighbours(search *q, sheen_err *err)
             sheen_lamp_list shorter = *q->list;
             shorter.lamps[a] = joined(&shorter.lamps[a], &shorter.lamps[b]);
             remove_lamp(&shorter, b);
-            const sheen_status s = try_shorter(q, &shorter, &kept, err);
+            // E may rise by what the parameters that it saves are worth
+            const double worth_one = worth(q, LAMP_PARAMETERS);
+            const sheen_status s = try_list(q, &shorter, &a, 1, q->list->cost + worth_one, 6 * worth_one,
+                                            &kept, err);
             if (s)
                 return s;
             b -= (size_t)kept;
@@ -358,15 +388,17 @@ static sheen_status split_wide_lamps(search *q, sheen_err *err)
 {
     const size_t n = q->list->n;
     for (size_t i = 0; i < n; i++) {
+        int kept;
         sheen_lamp_list longer = *q->list;
         if (longer.lamps[i].radius_rad < 5 * longer.lobe.sigma_rad || longer.n + 3 > SHEEN_LAMP_FIT_MAX)
             continue;
         quarter(&longer, i);
-        const sheen_status s = refine(q, &longer, 6, err);
+        const size_t parts[4] = {i, longer.n - 3, longer.n - 2, longer.n - 1};
+        const double worth_three = worth(q, 3 * LAMP_PARAMETERS);
+        const sheen_status s = try_list(q, &longer, parts, 4, q->list->cost - worth_three, 2 * worth_three,
+                                        &kept, err);
         if (s)
             return s;
-        if (longer.cost < q->list->cost - worth(q, 3 * LAMP_PARAMETERS))
-            *q->list = longer;
     }
     return SHEEN_OK;
 }
