@@ -40,9 +40,11 @@ static sheen_status load(stage *st, const sheen_progress *progress, sheen_err *e
     char path[SHEEN_PATH_MAX];
     const char *mesh = sheen_session_mesh_file(st->s);
     if (!mesh)
-        return sheen_fail(err, SHEEN_EDATA,
-                          "'%s' has no mesh of the object yet: run 'sheen import %s --mesh FILE'",
-                          st->s->path, st->s->path);
+        return sheen_fail(
+            err, SHEEN_EDATA,
+            "'%s' has no mesh of the object yet: 'sheen register %s MESH' finds where it stands "
+            "('sheen import --mesh' takes one that is in the board's frame)",
+            st->s->path, st->s->path);
     sheen_status s = sheen_session_path(path, st->s, mesh, err);
     if (s || (s = sheen_mesh_load(&st->mesh, path, err)))
         return s;
