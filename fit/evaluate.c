@@ -57,7 +57,7 @@ static sheen_status draw_method(sheen_layers *layers, const bench *b, int method
     sheen_drawing *drawing = NULL;
     sheen_status s = sheen_baseline_texture(&texture, (sheen_baseline)(method - 1), &b->model->mesh,
                                             &b->texels, rt_obj_cam + 3, b->o->n_threads, err);
-    if (!s && b->o->fill_baselines)
+    if (!s) // as the model's own: what no photograph saw is black in none
         s = sheen_fill_holes(&texture, &b->model->mesh, err);
     const sheen_model plain = plain_model(b->model, &texture);
     if (!s && !(s = sheen_drawing_new(&drawing, &plain, err)))

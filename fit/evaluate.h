@@ -36,7 +36,6 @@ typedef struct sheen_evaluate_options {
     sheen_progress progress;
     sheen_evaluation_picture picture; // may be NULL
     void *picture_self;
-    int fill_baselines; // 1: surface that no photograph saw takes the colour about it in them, too; 0: it is black there
 } sheen_evaluate_options;
 
 // model: fitted to `inputs`; tests: other photographs, by the camera of `tests`. highlights[n] (or NULL): per test a mask of one

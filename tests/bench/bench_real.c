@@ -252,8 +252,7 @@ static void run_fold(sheen_evaluation *all, const capture *c, const arguments *a
     const sheen_paper_options o = {.without = a->without};
     sheen_comparison comparison = {.dir = a->pictures};
     const sheen_evaluate_options eo = {.picture = a->pictures ? sheen_comparison_add : NULL,
-                                       .picture_self = &comparison,
-                                       .fill_baselines = 1};
+                                       .picture_self = &comparison};
     sheen_photos inputs = c->photos, tests = c->photos;
     sheen_paper_fit f;
     sheen_evaluation e;
