@@ -213,7 +213,7 @@ static void compare_camera(recording *r, const sheen_frame *frame)
 static sheen_status keep(recording *r, sheen_frame *frame, sheen_verdict verdict, sheen_err *err)
 {
     char digest[33];
-    if (r->options->set_role)
+    if (r->options->set_role && frame->info.role != SHEEN_ROLE_BACKGROUND)
         frame->info.role = r->options->role;
     sheen_digest(digest, frame->data, frame->size_bytes);
     const sheen_frame_info *copy = sheen_source_is_live(r->src) ? NULL : find_copy(r->session, frame, digest);

@@ -38,9 +38,9 @@ static double step_deg(const sheen_turn_options *o, int i_step)
     return i_step < 0 ? 0 : 360.0 * i_step / o->n_steps;
 }
 
-static int first_step(const sheen_turn_options *o)
+static int first_step(const sheen_turn_options *o, int i_round)
 {
-    return o->place_object ? -1 : 0;
+    return o->place_object && i_round == 1 ? -1 : 0;
 }
 
 static bool *taken(const sheen_turn_steps *t, int i_round, int i_step)
@@ -52,7 +52,7 @@ size_t sheen_turn_steps_missing(const sheen_session *s, const sheen_turn_options
 {
     size_t n = 0;
     for (int r = 1; r <= o->n_rounds; r++)
-        for (int k = first_step(o); k < o->n_steps; k++)
+        for (int k = first_step(o, r); k < o->n_steps; k++)
             n += !has_step(s, r, k);
     return n;
 }
@@ -60,6 +60,13 @@ size_t sheen_turn_steps_missing(const sheen_session *s, const sheen_turn_options
 sheen_status sheen_turn_steps_init(sheen_turn_steps *t, sheen_session *session, sheen_table *table,
                                    const sheen_turn_options *options, sheen_err *err)
 {
+    if (options->place_object && !has_step(session, 1, -1))
+        for (int k = 0; k < options->n_steps; k++)
+            if (has_step(session, 1, k))
+                return sheen_fail(err, SHEEN_EARG,
+                                  "the picture of the empty table is taken first, and '%s' has frames of the "
+                                  "object already, which must not be moved: leave --background out",
+                                  session->path);
     *t = (sheen_turn_steps){.session = session, .table = table, .o = *options};
     if (!(t->o.tolerance_deg > 0))
         t->o.tolerance_deg = default_tolerance_deg;
@@ -87,7 +94,7 @@ void sheen_turn_steps_release(sheen_turn_steps *t)
 static bool find_next(int *i_round, int *i_step, const sheen_turn_steps *t)
 {
     for (*i_round = 1; *i_round <= t->o.n_rounds; ++*i_round)
-        for (*i_step = first_step(&t->o); *i_step < t->o.n_steps; ++*i_step)
+        for (*i_step = first_step(&t->o, *i_round); *i_step < t->o.n_steps; ++*i_step)
             if (!*taken(t, *i_round, *i_step))
                 return true;
     return false;
@@ -117,7 +124,7 @@ static sheen_status ask(void *self, int64_t *since_ns, sheen_err *err)
         t->camera_waits = i_round > 1 && !reference_of(t, i_round) && t->o.next_round;
         t->n_taken = 0;
     }
-    if (t->o.place_object && i_step >= 0 && (i_round != t->i_round || t->i_step < 0))
+    if (t->o.place_object && i_round == 1 && i_step >= 0 && (i_round != t->i_round || t->i_step < 0))
         t->object_waits = !reference_of(t, i_round) || t->i_step < 0;
     t->i_round = i_round;
     t->i_step = i_step;
@@ -254,7 +261,7 @@ static sheen_status look(void *self, sheen_frame *frame, sheen_verdict *verdict,
             return s;
         t->camera_waits = false;
         if (t->i_step < 0 || t->object_waits) {
-            if ((s = t->o.place_object(t->o.self, t->i_round, t->i_step >= 0, err)))
+            if ((s = t->o.place_object(t->o.self, t->i_step >= 0, err)))
                 return s;
             t->object_waits = false;
         }

@@ -2,7 +2,7 @@
 // turn_steps.h - the recording of a turntable's rounds: turn, let the picture come to rest, take one frame, and so on.
 //
 // A policy for sheen_record (capture/record.h). What is done is read from the session: the frame of round r and step k is
-// called "r<r>-<k>", that of the empty table "r<r>-empty", so that a recording that ended anywhere goes on where it was.
+// called "r<r>-<k>", that of the empty table "r1-empty", so that a recording that ended anywhere goes on where it was.
 #ifndef SHEEN_CAPTURE_TURN_STEPS_H
 #define SHEEN_CAPTURE_TURN_STEPS_H
 
@@ -18,9 +18,10 @@ typedef struct sheen_turn_options {
     // Before the first frame of a round after the first; returns when the camera stands at its new height. Until then it
     // stands as in the round before, and `see` looks there.
     sheen_status (*next_round)(void *self, int i_round, sheen_err *err);
-    // Each round begins with a frame of the table without the object, of role background. Asks for the object to be taken
-    // off, and later to be put on again; returns when that is done. NULL: no such frame.
-    sheen_status (*place_object)(void *self, int i_round, bool on, sheen_err *err);
+    // The first round begins with a frame of the table without the object, of role background. Asks for the object to be
+    // taken off, and then to be put on; returns when that is done. It stays there: rounds are tied by where it stands. NULL: no
+    // such frame.
+    sheen_status (*place_object)(void *self, bool on, sheen_err *err);
     void *self;           // for all
     double tolerance_deg; // of the angle seen beside the one commanded; 0: 0.5
 } sheen_turn_options;
@@ -30,11 +31,9 @@ typedef struct sheen_turn_steps {
     sheen_table *table;
     sheen_turn_options o;
     int i_round, i_step; // what is wanted now; rounds from 1, step -1: the empty table
-    bool *
-        taken; // [n_rounds * (1 + n_steps)] frames that are in the session or on their way there; of each round the
-               // empty table first
-    int n_taken;       // of this round, in this run
-    bool placed;       // the angle is known in this round
+    bool *taken; // [n_rounds * (1 + n_steps)] frames in the session or on their way there, steps from -1
+    int n_taken; // of this round, in this run
+    bool placed; // the angle is known in this round
     bool camera_waits; // to be put at the round's height, once it is
     bool object_waits; // to be put on
     bool turned;       // and the table stands there
@@ -46,7 +45,7 @@ typedef struct sheen_turn_steps {
 
 // How many frames are missing; 0: all are there.
 size_t sheen_turn_steps_missing(const sheen_session *s, const sheen_turn_options *o);
-// Lends session and table. ENOMEM.
+// Lends session and table. EARG (the empty table is wanted, and frames of the object are there already), ENOMEM.
 sheen_status sheen_turn_steps_init(sheen_turn_steps *t, sheen_session *session, sheen_table *table,
                                    const sheen_turn_options *options, sheen_err *err);
 void sheen_turn_steps_release(sheen_turn_steps *t);

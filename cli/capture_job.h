@@ -17,7 +17,7 @@ typedef struct sheen_cli_capture {
     const char *batch; // file of the objects
     const char *like;  // session that a new one takes its camera, board and mesh from
     int n_steps, n_rounds;
-    bool background; // --background: each round begins with the empty table
+    bool background; // --background: the first round begins with the empty table
     bool choose;     // --auto
     sheen_cli_measure measure;
     bool remember; // --remember

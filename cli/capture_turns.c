@@ -33,16 +33,16 @@ static sheen_status next_round(void *self, int i_round, sheen_err *err)
     return s ? sheen_wrap(err, s, "round %d was not begun", i_round) : s;
 }
 
-static sheen_status place_object(void *self, int i_round, bool on, sheen_err *err)
+static sheen_status place_object(void *self, bool on, sheen_err *err)
 {
     const turning *t = self;
-    char prompt[120], line[16];
-    snprintf(prompt, sizeof prompt,
-             on ? "put the object on the board as it shall stand, then press Enter"
-                : "round %d: take the object off, leave the board, then press Enter",
-             i_round);
-    const sheen_status s = sheen_cli_ask(line, sizeof line, t->cli, prompt, err);
-    return s ? sheen_wrap(err, s, "round %d was not begun", i_round) : s;
+    char line[16];
+    const sheen_status s = sheen_cli_ask(
+        line, sizeof line, t->cli,
+        on ? "put the object on the board as it shall stand, then press Enter"
+           : "take the object off, leave the board, then press Enter",
+        err);
+    return s ? sheen_wrap(err, s, "the turn was not begun") : s;
 }
 
 static sheen_status ask(void *self, int64_t *since_ns, sheen_err *err)
@@ -128,7 +128,7 @@ sheen_status sheen_cli_capture_turns(sheen_cli *cli, sheen_cli_capture *a, sheen
         st = check(cli, a, s, src, &t.eye, err);
     a->o.count = sheen_cli_capture_missing(a, s);
     if (!st && !a->o.count)
-        sheen_cli_say(cli, "all %d frames are there", (a->n_steps + a->background) * a->n_rounds);
+        sheen_cli_say(cli, "all %d frames are there", a->n_steps * a->n_rounds + a->background);
     else if (!st) {
         sheen_cli_keys_open();
         st = sheen_cli_table_open(&table, &config, cli, a->turntable, a->turntable_file, err);

@@ -34,6 +34,11 @@ static sheen_status check(sheen_cli *cli, sheen_cli_capture *a, bool free_count,
         return sheen_cli_usage(cli, err, "only --dark is taken for each exposure of --bracket");
     if (a->background && !a->turntable)
         return sheen_cli_usage(cli, err, "--background is of a turntable: give --turntable DEV");
+    if (a->background && a->batch)
+        return sheen_cli_usage(
+            cli, err,
+            "--background asks for each object to be taken off and put on, --batch for one "
+            "key between objects: leave one of them out");
     if (a->batch && !a->turntable)
         return sheen_cli_usage(cli, err, "--batch is of a turntable: give --turntable DEV");
     if (a->turntable)
@@ -115,9 +120,7 @@ static sheen_status parse(sheen_cli *cli, sheen_cli_capture *a, sheen_err *err)
         {"rounds", 0, SHEEN_OPTION_INT, &a->n_rounds, "K",
          "turns, each with the camera at another height (default: 1)", 1, 9},
         {"background", 0, SHEEN_OPTION_FLAG, &a->background, NULL,
-         "begin each round with a frame of the table without the\nobject: what hides what it shows is the "
-         "object",
-         0, 0},
+         "begin with a frame of the table without the object: what\nhides what it shows is the object", 0, 0},
         {"turntable-file", 0, SHEEN_OPTION_TEXT, &a->turntable_file, "FILE",
          "what is known of it (default:\n~/.config/sheen/turntable.json)", 0, 0},
         {"batch", 0, SHEEN_OPTION_TEXT, &a->batch, "FILE",
