@@ -183,6 +183,24 @@ static void a_model_that_fails_is_no_fault_of_the_capture(void **state)
     fake_grbl_stop(&st.board);
 }
 
+// The person is asked for the empty table, and then for the object, before the first step.
+static void an_empty_table_comes_first(void **state)
+{
+    station st;
+    build(&st, *state);
+    start(&st, "empty --background");
+    assert_says(&st, "take the object off");
+    press(&st, "\n");
+    assert_says(&st, "put the object on");
+    press(&st, "\n");
+    assert_int_equal(end(&st), 0);
+    assert_int_equal(frames_in(&st, "empty"), 5);
+    start(&st, "empty --background");
+    assert_says(&st, "all 5 frames are there");
+    assert_int_equal(end(&st), 0);
+    fake_grbl_stop(&st.board);
+}
+
 static void keys_pause_and_end(void **state)
 {
     station st;
@@ -235,6 +253,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_broken_object_is_summed_up_and_gone_on_with, test_scratch_setup,
                                         test_scratch_teardown),
         cmocka_unit_test_setup_teardown(a_model_that_fails_is_no_fault_of_the_capture, test_scratch_setup,
+                                        test_scratch_teardown),
+        cmocka_unit_test_setup_teardown(an_empty_table_comes_first, test_scratch_setup,
                                         test_scratch_teardown),
         cmocka_unit_test_setup_teardown(keys_pause_and_end, test_scratch_setup, test_scratch_teardown),
         cmocka_unit_test_setup_teardown(it_stops_at_once, test_scratch_setup, test_scratch_teardown),
