@@ -165,7 +165,7 @@ static void say(sheen_cli *cli, const sheen_gltf *g, const char *output, const c
     if (g->n_lights)
         sheen_cli_say(cli, "  %d punctual lights", g->n_lights);
     sheen_cli_say(cli, "%s: the light; %s: how it should look from azimuth %.0f, elevation %.0f", panorama,
-                  reference, look_deg[0], look_deg[1]);
+                  reference, round(look_deg[0]) + 0.0, round(look_deg[1]) + 0.0); // + 0: no minus before a 0
     sheen_json_put_string(&cli->out, "made", output);
     sheen_json_put_string(&cli->out, "panorama", panorama);
     sheen_json_put_string(&cli->out, "reference", reference);
