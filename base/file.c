@@ -139,6 +139,31 @@ static bool write_all(int fd, const void *data, size_t size_bytes)
     return true;
 }
 
+// Linux closes the file though the call was interrupted, and what it says of the disk then fsync has said before.
+static bool close_written(int fd)
+{
+    return !close(fd) || errno == EINTR;
+}
+
+// Network file systems and those in user space may be interrupted here, too.
+static bool sync_file(int fd)
+{
+    int code;
+    do
+        code = fsync(fd);
+    while (code && errno == EINTR);
+    return !code;
+}
+
+static bool rename_file(const char *from, const char *to)
+{
+    int code;
+    do
+        code = rename(from, to);
+    while (code && errno == EINTR);
+    return !code;
+}
+
 // So that a rename inside it survives a power cut. Not every file system can: no error of ours.
 static void sync_dir_of(const char *path)
 {
@@ -187,14 +212,14 @@ sheen_status sheen_file_write(const char *path, const void *data, size_t size_by
     sheen_status s = open_temp(&fd, temp, path, err);
     if (s)
         return s;
-    bool ok = write_all(fd, data, size_bytes) && !fsync(fd);
+    bool ok = write_all(fd, data, size_bytes) && sync_file(fd);
     if (!ok)
         s = fail_errno(err, "write", path);
-    if (close(fd) && ok) {
+    if (!close_written(fd) && ok) {
         ok = false;
         s = fail_errno(err, "write", path);
     }
-    if (ok && rename(temp, path)) {
+    if (ok && !rename_file(temp, path)) {
         ok = false;
         s = fail_errno(err, "write", path);
     }
