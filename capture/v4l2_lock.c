@@ -93,16 +93,31 @@ static int32_t on_step(const sheen_v4l2_control *c, double value)
     return v < c->min ? c->min : v > c->max ? c->max : (int32_t)v;
 }
 
+double sheen_v4l2_exposure_near(const sheen_v4l2_exposures *e, double want_s)
+{
+    double near_s = e->most_s > 0 ? fmin(e->most_s, want_s) : want_s, least = (double)INFINITY;
+    for (int i = 0; i < e->n_only; i++) {
+        const double off = fabs(log(e->only_s[i] / want_s));
+        if (off < least) {
+            least = off;
+            near_s = e->only_s[i];
+        }
+    }
+    return near_s;
+}
+
 static int32_t exposure_of(const sheen_v4l2_control *c, const sheen_v4l2_lock_options *o)
 {
     double exposure_s = o->exposure_s > 0 ? o->exposure_s : c->value * exposure_unit_s;
     if (o->exposure_s <= 0 && o->mains_hz) {
         const double half_period_s = 0.5 / o->mains_hz;
         double n = floor(exposure_s / half_period_s + 0.5);
-        n = fmin(n, floor(c->max * exposure_unit_s / half_period_s));
+        double most_s = c->max * exposure_unit_s;
+        most_s = o->exposures->most_s > 0 ? fmin(most_s, o->exposures->most_s) : most_s;
+        n = fmin(n, floor(most_s / half_period_s));
         exposure_s = n < 1 ? half_period_s : n * half_period_s;
     }
-    return on_step(c, exposure_s / exposure_unit_s);
+    return on_step(c, sheen_v4l2_exposure_near(o->exposures, exposure_s) / exposure_unit_s);
 }
 
 static int32_t value_of(const sheen_v4l2_control *c, policy p, const sheen_v4l2_lock_options *o)

@@ -5,6 +5,7 @@
 
 #include "base/session.h"
 #include "capture/v4l2_controls.h"
+#include "capture/v4l2_options.h"
 
 typedef struct sheen_v4l2_setting {
     uint32_t id;
@@ -18,9 +19,13 @@ typedef struct sheen_v4l2_lock {
 } sheen_v4l2_lock;
 
 typedef struct sheen_v4l2_lock_options {
-    double exposure_s; // 0: as it stands, to a whole number of half periods
-    int mains_hz;      // 0: any exposure will do
+    double exposure_s;                     // 0: as it stands, to a whole number of half periods
+    int mains_hz;                          // 0: any exposure will do
+    const sheen_v4l2_exposures *exposures; // that the camera has in truth
 } sheen_v4l2_lock_options;
+
+// The exposure that a camera has in truth and that is nearest, as a ratio, to the one that is wanted.
+double sheen_v4l2_exposure_near(const sheen_v4l2_exposures *e, double want_s);
 
 // True where the camera's exposure is under automatic control now.
 bool sheen_v4l2_is_automatic(const sheen_v4l2_controls *c);

@@ -46,6 +46,22 @@ static bool parse_fourcc(sheen_v4l2_options *o, const char *text)
     return true;
 }
 
+// "1,2,4", in milliseconds.
+static bool parse_exposures(sheen_v4l2_exposures *e, const char *text)
+{
+    for (e->n_only = 0; e->n_only < SHEEN_V4L2_MAX_EXPOSURES;) {
+        char *end;
+        const double ms = strtod(text, &end);
+        if (end == text || !(ms >= 0.01 && ms <= 60000))
+            return false;
+        e->only_s[e->n_only++] = ms / 1000;
+        if (*end != ',')
+            return !*end;
+        text = end + 1;
+    }
+    return false;
+}
+
 typedef struct word {
     const char *text;
     uint32_t value;
@@ -89,6 +105,16 @@ static sheen_status set(sheen_v4l2_options *o, const char *key, const char *valu
         o->exposure_s = x / 1000;
         return SHEEN_OK;
     }
+    if (!strcmp(key, "exposure_most_ms")) {
+        if (!parse_number(&x, value, 0.01, 60000))
+            return wrong(err, key, value, "milliseconds");
+        o->exposures.most_s = x / 1000;
+        return SHEEN_OK;
+    }
+    if (!strcmp(key, "exposures_ms"))
+        return parse_exposures(&o->exposures, value)
+                   ? SHEEN_OK
+                   : wrong(err, key, value, "milliseconds with commas between, 16 at most");
     if (!strcmp(key, "mains")) {
         const bool fine = parse_number(&x, value, 0, 60) && (x == 0 || x == 50 || x == 60);
         o->mains_hz = (int)x;
@@ -114,7 +140,7 @@ static sheen_status set(sheen_v4l2_options *o, const char *key, const char *valu
                                                            : wrong(err, key, value, "full or limited");
     return sheen_fail(err, SHEEN_EARG,
                       "unknown option '%.40s': a camera's are format, size, rate, exposure_ms, mains, lock, "
-                      "colorspace, transfer, matrix, range",
+                      "colorspace, transfer, matrix, range, exposure_most_ms, exposures_ms",
                       key);
 }
 

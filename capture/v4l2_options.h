@@ -14,6 +14,15 @@
 extern "C" {
 #endif
 
+enum { SHEEN_V4L2_MAX_EXPOSURES = 16 };
+
+// Which exposures a camera has, where its driver states it wrongly.
+typedef struct sheen_v4l2_exposures {
+    double most_s; // longer ones it takes without a word, to no effect; 0: as it states
+    double only_s[SHEEN_V4L2_MAX_EXPOSURES]; // it has these only, whatever it takes; n_only 0: all
+    int n_only;
+} sheen_v4l2_exposures;
+
 typedef struct sheen_v4l2_options {
     char path[SHEEN_PATH_MAX];
     uint32_t fourcc;         // 0: the camera's own choice
@@ -21,6 +30,7 @@ typedef struct sheen_v4l2_options {
     double rate_hz;          // 0: likewise
     bool lock;
     double exposure_s; // 0: what the camera's automatic finds, to a whole number of the lamps' half periods
+    sheen_v4l2_exposures exposures;
     int mains_hz;      // 50, 60; 0: lamps that do not flicker
     bool set_transfer; // take `transfer` for true, whatever the camera claims
     sheen_transfer transfer;
@@ -28,7 +38,8 @@ typedef struct sheen_v4l2_options {
         quantization; // in V4L2's numbers, whatever the camera claims; 0: as it claims
 } sheen_v4l2_options;
 
-// "/dev/video0?format=MJPG&size=1280x720&rate=30&exposure_ms=20&mains=60&lock=off&transfer=srgb&matrix=601&range=full".
+// "/dev/video0?format=MJPG&size=1280x720&rate=30&exposure_ms=20&mains=60&lock=off&transfer=srgb&matrix=601&range=full
+// &exposure_most_ms=7.5&exposures_ms=1,2,4".
 // EARG.
 sheen_status sheen_v4l2_options_parse(sheen_v4l2_options *o, const char *rest, sheen_err *err);
 // What the camera claims of its colours, corrected by what the options say of it.

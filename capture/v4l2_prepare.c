@@ -11,6 +11,7 @@
 #include "capture/v4l2_error.h"
 
 enum { WARM_UP_FRAMES = 15 };
+static const double unit_s = 100e-6; // of V4L2_CID_EXPOSURE_ABSOLUTE
 // Half the exposure is half the light, within what a camera's black level and curve make of it.
 static const float probe_most = 0.8f, return_most = 0.05f;
 static const float probe_dark = 0.01f, probe_white = 0.9f; // means beyond which a picture says nothing
@@ -25,7 +26,7 @@ static void enter(sheen_v4l2_prepare *p, sheen_v4l2_phase phase)
 
 static sheen_status set_lock(sheen_v4l2_prepare *p, sheen_err *err)
 {
-    const sheen_v4l2_lock_options o = {p->options->exposure_s, p->options->mains_hz};
+    const sheen_v4l2_lock_options o = {p->options->exposure_s, p->options->mains_hz, &p->options->exposures};
     enter(p, SHEEN_V4L2_SETTLE);
     const sheen_status s = sheen_v4l2_lock_set(&p->lock, &o, p->stream->io, p->stream->fd, p->stream->path,
                                                err);
@@ -105,7 +106,9 @@ sheen_status sheen_v4l2_prepare_expose(sheen_v4l2_prepare *p, double factor, dou
                           "the exposure of '%.200s' is not under the lock: a bracket needs that",
                           p->stream->path);
     p->base_exposure = p->base_exposure ? p->base_exposure : set->value;
-    const int32_t want = (int32_t)fmax(1, floor(p->base_exposure * factor + 0.5));
+    const double near_s = sheen_v4l2_exposure_near(&p->options->exposures,
+                                                   p->base_exposure * factor * unit_s);
+    const int32_t want = (int32_t)fmax(1, floor(near_s / unit_s + 0.5));
     const sheen_status s = set_exposure(p, want, SHEEN_V4L2_SETTLE, err);
     const int code = s ? 0 : sheen_v4l2_control_get(&got, p->stream->io, p->stream->fd, set->id);
     if (s || code)
@@ -128,8 +131,7 @@ static sheen_status can_probe(bool *can, sheen_v4l2_prepare *p, sheen_err *err)
     if (s)
         return s;
     const sheen_v4l2_control *e = sheen_v4l2_controls_find(&c, V4L2_CID_EXPOSURE_ABSOLUTE);
-    const int64_t locked = (int64_t)(10000 * sheen_v4l2_lock_exposure_s(&p->lock) +
-                                     0.5); // in units of 100 us
+    const int64_t locked = (int64_t)(sheen_v4l2_lock_exposure_s(&p->lock) / unit_s + 0.5);
     if (e && !e->read_only && !e->inactive && locked >= 2 && locked / 2 >= e->min) {
         p->exposure = (int32_t)locked;
         p->probe_exposure = e->min + ((int32_t)locked / 2 - e->min) / e->step * e->step;

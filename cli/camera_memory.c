@@ -8,9 +8,11 @@
 #include "base/json.h"
 #include "base/json_write.h"
 #include "capture/devices.h"
+#include "capture/v4l2_quirks.h"
 #include "cli/config_path.h"
 
-static const char *const claims[] = {"colorspace=", "transfer=", "matrix=", "range=", NULL};
+static const char *const claims[] = {
+    "colorspace=", "transfer=", "matrix=", "range=", "exposure_most_ms=", "exposures_ms=", NULL};
 
 static bool is_claim(const char *option, size_t n)
 {
@@ -69,14 +71,19 @@ sheen_status sheen_cli_camera_recall(char options[SHEEN_CLI_OPTIONS_MAX], const 
     options[0] = 0;
     const sheen_status s = load(&root, file, err);
     const sheen_json *list = sheen_json_get(root, "cameras");
-    for (size_t i = 0; !s && !options[0] && i < sheen_json_count(list); i++) {
+    bool found = false;
+    for (size_t i = 0; !s && !found && i < sheen_json_count(list); i++) {
         const sheen_json *entry = sheen_json_at(list, i);
         char query[SHEEN_CLI_OPTIONS_MAX + 1];
         if (!is_camera(text_of(entry, "camera"), identity, name))
             continue;
         snprintf(query, sizeof query, "?%s", text_of(entry, "options"));
         sheen_cli_camera_claims(options, query); // and nothing else
+        found = true;
     }
+    const char *known = s || found ? NULL : sheen_v4l2_quirk(identity, name);
+    if (known)
+        snprintf(options, SHEEN_CLI_OPTIONS_MAX, "%s", known);
     sheen_json_free(&root);
     return s;
 }
@@ -148,6 +155,6 @@ sheen_status sheen_cli_camera_uri(char uri[SHEEN_PATH_MAX], char noted[240], con
         return s;
     snprintf(uri, SHEEN_PATH_MAX, "%.*s?%s%s%s", (int)n, given, options, given[n] ? "&" : "",
              given[n] ? given + n + 1 : "");
-    snprintf(noted, 240, "of this camera is remembered: %s", options);
+    snprintf(noted, 240, "of this camera is known: %s", options);
     return SHEEN_OK;
 }

@@ -215,6 +215,9 @@ static void says_what_is_wrong_with_a_camera(void **state)
         {CAMERA "?rate=7", {0}, SHEEN_EUNSUP, "30"},
         {CAMERA "?rate=x", {0}, SHEEN_EARG, "frames a second"},
         {CAMERA "?speed=7", {0}, SHEEN_EARG, "unknown option"},
+        {CAMERA "?exposures_ms=1,2,", {0}, SHEEN_EARG, "commas"},
+        {CAMERA "?exposures_ms=1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17", {0}, SHEEN_EARG, "16 at most"},
+        {CAMERA "?exposure_most_ms=0", {0}, SHEEN_EARG, "milliseconds"},
         {CAMERA "?mains=55", {0}, SHEEN_EARG, "50 or 60"},
         {CAMERA "?size", {0}, SHEEN_EARG, "no value"},
         {CAMERA "?matrix=7", {0}, SHEEN_EARG, "709"},
@@ -276,8 +279,14 @@ static void exposure_and_mains_can_be_chosen(void **state)
     static const struct {
         const char *rest;
         int32_t exposure;
-    } cases[] = {{CAMERA "?exposure_ms=25", 250}, {CAMERA "?mains=60", 250}, {CAMERA "?mains=0", 290}};
-    for (size_t i = 0; i < 3; i++) {
+    } cases[] = {{CAMERA "?exposure_ms=25", 250},
+                 {CAMERA "?mains=60", 250},
+                 {CAMERA "?mains=0", 290},
+                 {CAMERA "?exposure_most_ms=7.5", 75},
+                 {CAMERA "?exposure_most_ms=25", 200},
+                 {CAMERA "?exposures_ms=7.8,15.6,31.2", 312},
+                 {CAMERA "?exposure_ms=20&exposures_ms=7.8,15.6,31.2", 156}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         fake_v4l2 f;
         sheen_source *src;
         sheen_frame frame;

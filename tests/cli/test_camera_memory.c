@@ -47,6 +47,30 @@ static void only_claims_are_remembered(void **state)
     assert_fails(sheen_cli_camera_recall(options, file, "1:2", "", &err), err, SHEEN_EFORMAT, "cameras.json");
 }
 
+// A camera that is known to the program; what the person says of it counts instead, were it nothing.
+static void a_known_camera_is_put_right_unless_told_otherwise(void **state)
+{
+    char file[TEST_PATH_MAX], options[SHEEN_CLI_OPTIONS_MAX];
+    sheen_err err;
+    test_scratch_file(file, *state, "cameras.json");
+    assert_ok(sheen_cli_camera_recall(options, file, "0c45:6366 SN0001", "Arducam OV9281 USB Camera", &err),
+              err);
+    assert_string_equal(options, "exposure_most_ms=7.5");
+    assert_ok(sheen_cli_camera_recall(options, file, "0c45:6366", "USB Camera", &err), err); // another chip
+    assert_string_equal(options, "");
+    assert_ok(sheen_cli_camera_recall(options, file, "045e:0810", "Microsoft LifeCam HD-3000", &err), err);
+    assert_non_null(strstr(options, "exposures_ms="));
+    test_file_write_text(file, "{\"schema\": \"sheen-cameras/1\", \"cameras\": [{\"camera\": \"0c45:6366\", "
+                               "\"options\": \"\"}]}");
+    assert_ok(sheen_cli_camera_recall(options, file, "0c45:6366 SN0001", "Arducam OV9281 USB Camera", &err),
+              err);
+    assert_string_equal(options, "");
+    assert_ok(sheen_cli_camera_remember(file, "0c45:6366", "exposure_most_ms=33", &err), err);
+    assert_ok(sheen_cli_camera_recall(options, file, "0c45:6366 SN0001", "Arducam OV9281 USB Camera", &err),
+              err);
+    assert_string_equal(options, "exposure_most_ms=33");
+}
+
 #define WITH_SCRATCH(f) cmocka_unit_test_setup_teardown(f, test_scratch_setup, test_scratch_teardown)
 
 int main(void)
@@ -54,6 +78,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         WITH_SCRATCH(a_camera_is_known_again),
         WITH_SCRATCH(only_claims_are_remembered),
+        WITH_SCRATCH(a_known_camera_is_put_right_unless_told_otherwise),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
