@@ -21,6 +21,7 @@ typedef struct bench {
     const sheen_image *highlights;
     const sheen_evaluate_options *o;
     sheen_drawing *drawing; // the model's
+    int filled;             // the model has colours where no photograph saw the surface
     sheen_texel_views texels;
     sheen_evaluation *out;
 } bench;
@@ -44,6 +45,16 @@ static sheen_model plain_model(const sheen_model *model, const sheen_texture *te
     return m;
 }
 
+// Whether unseen surface took colours from what lies about it (fill_holes.h); else it is black.
+static int is_filled(const sheen_texture *t)
+{
+    const size_t n = t->n_triangles * sheen_texels_per_triangle(t->texels_per_edge);
+    for (size_t i = 0; i < n; i++)
+        if (!t->n_views[i] && (t->rgb[3 * i] > 0 || t->rgb[3 * i + 1] > 0 || t->rgb[3 * i + 2] > 0))
+            return 1;
+    return 0;
+}
+
 static sheen_status draw_method(sheen_layers *layers, const bench *b, int method, const sheen_photo *photo,
                                 sheen_err *err)
 {
@@ -57,7 +68,7 @@ static sheen_status draw_method(sheen_layers *layers, const bench *b, int method
     sheen_drawing *drawing = NULL;
     sheen_status s = sheen_baseline_texture(&texture, (sheen_baseline)(method - 1), &b->model->mesh,
                                             &b->texels, rt_obj_cam + 3, b->o->n_threads, err);
-    if (!s) // as the model's own: what no photograph saw is black in none
+    if (!s && b->filled)
         s = sheen_fill_holes(&texture, &b->model->mesh, err);
     const sheen_model plain = plain_model(b->model, &texture);
     if (!s && !(s = sheen_drawing_new(&drawing, &plain, err)))
@@ -196,7 +207,12 @@ sheen_status sheen_evaluate(sheen_evaluation *out, const sheen_model *model, con
                             const sheen_photos *tests, const sheen_image *highlights,
                             const sheen_evaluate_options *options, sheen_err *err)
 {
-    bench b = {.model = model, .tests = tests, .highlights = highlights, .o = options, .out = out};
+    bench b = {.model = model,
+               .tests = tests,
+               .highlights = highlights,
+               .o = options,
+               .filled = is_filled(&model->texture),
+               .out = out};
     sheen_scene *scene = NULL;
     sheen_status s;
     if ((s = allocate(out, tests, err)) || (s = sheen_drawing_new(&b.drawing, model, err)) ||

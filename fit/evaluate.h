@@ -38,6 +38,7 @@ typedef struct sheen_evaluate_options {
     void *picture_self;
 } sheen_evaluate_options;
 
+// Baselines take colours where no photograph saw the surface if the model does, so that none is worse for that alone.
 // model: fitted to `inputs`; tests: other photographs, by the camera of `tests`. highlights[n] (or NULL): per test a mask of one
 // channel, > 0.5 where the truth is known to be a highlight; an empty image where it is not given. Then highlight
 // pixels are those where the photograph is brighter than the median texture, and all its neighbours, by 0.15 of white.
