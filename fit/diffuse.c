@@ -123,12 +123,16 @@ static void reweight(double w[MAX_VIEWS], double mean[3], const sample *s, size_
                      const sheen_surroundings *e, int rounds)
 {
     double d[MAX_VIEWS][3], y[MAX_VIEWS], total = 0;
+    mean[0] = mean[1] = mean[2] = 0;
+    if (!n)
+        return;
     for (size_t i = 0; i < n; i++) {
         diffuse_of(d[i], &s[i], e);
         y[i] = luminance(d[i]);
     }
-    double level = y[median_of(y, s, n)], before = HUGE_VAL;
-    for (int round = 0; round <= rounds && fabs(level - before) > settled_lin; round++) {
+    double level = y[median_of(y, s, n)], before;
+    int round = 0;
+    do {
         double sum = 0;
         total = 0;
         for (size_t i = 0; i < n; i++) {
@@ -138,8 +142,7 @@ static void reweight(double w[MAX_VIEWS], double mean[3], const sample *s, size_
         }
         before = level;
         level = sum / total;
-    }
-    mean[0] = mean[1] = mean[2] = 0;
+    } while (++round <= rounds && fabs(level - before) > settled_lin);
     for (size_t i = 0; i < n; i++)
         for (int c = 0; c < 3; c++)
             mean[c] += w[i] * d[i][c] / total;

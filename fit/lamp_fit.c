@@ -482,7 +482,8 @@ sheen_status sheen_lamp_light(float *light, const sheen_lamp *lamps, size_t n, c
                               const sheen_lamp_samples *samples, const sheen_lamp_fit_options *options,
                               sheen_err *err)
 {
-    light_job j = {.lamps = lamps, .n = n, .lobe = lobe, .samples = samples, .o = options, .light = light};
+    light_job j = {.lamps = lamps, .n = n, .lobe = lobe, .samples = samples, .o = options};
+    j.light = light;
     return light_all(&j, err);
 }
 
@@ -490,7 +491,8 @@ sheen_status sheen_lamp_predict(float *predicted, const sheen_lamp *lamps, size_
                                 const sheen_lobe_shape *lobe, const sheen_lamp_samples *samples,
                                 const sheen_lamp_fit_options *options, sheen_err *err)
 {
-    light_job j = {lamps, n, lobe, samples, options, .predicted = predicted};
+    light_job j = {.lamps = lamps, .n = n, .lobe = lobe, .samples = samples, .o = options};
+    j.predicted = predicted;
     return light_all(&j, err);
 }
 

@@ -146,8 +146,9 @@ static sheen_status add_lamp(search *q, int *state, sheen_err *err)
         q->trial[i] = (float)residual_at(q, q->predicted, i);
     if (make_geodesic(q))
         return sheen_fail_memory(err, 1e6, "spots of light");
-    *state = sheen_lamp_start(&start, &q->geodesic, q->samples, q->trial, q->list->lobe.sigma_rad,
-                              q->o.threshold_lin, q->bans, q->n_bans, q->o.fit.n_threads);
+    const sheen_lamp_start_options where = {q->list->lobe.sigma_rad, q->o.threshold_lin, q->bans, q->n_bans,
+                                            q->o.fit.n_threads};
+    *state = sheen_lamp_start(&start, &q->geodesic, q->samples, q->trial, &where);
     if (*state < 0)
         return sheen_fail_memory(err, 1e6, "spots of light");
     if (!*state) {

@@ -139,17 +139,16 @@ int sheen_lamp_start_frequency(float sigma_rad)
 }
 
 int sheen_lamp_start(sheen_lamp *out, const sheen_geodesic *g, const sheen_lamp_samples *samples,
-                     const float *residual, float sigma_rad, float threshold_lin, const sheen_lamp_ban *bans,
-                     size_t n_bans, int n_threads)
+                     const float *residual, const sheen_lamp_start_options *options)
 {
     distances j = {.g = g,
                    .samples = samples,
                    .residual = residual,
-                   .threshold_lin = threshold_lin,
-                   .bans = bans,
-                   .n_bans = n_bans};
+                   .threshold_lin = options->threshold_lin,
+                   .bans = options->bans,
+                   .n_bans = options->n_bans};
     best b = {0};
-    sheen_parallel_for(DISTANCES, 1, n_threads, search_distances, &j);
+    sheen_parallel_for(DISTANCES, 1, options->n_threads, search_distances, &j);
     for (size_t k = 0; k < DISTANCES; k++) {
         if (j.without_memory[k])
             return -1;
@@ -157,6 +156,7 @@ int sheen_lamp_start(sheen_lamp *out, const sheen_geodesic *g, const sheen_lamp_
             b = j.best[k];
     }
     if (b.evidence > 0)
-        measure_spot(out, samples, residual, g->v_world + 3 * (size_t)b.node, b.per_m, cosf(2 * sigma_rad));
+        measure_spot(out, samples, residual, g->v_world + 3 * (size_t)b.node, b.per_m,
+                     cosf(2 * options->sigma_rad));
     return b.evidence > 0;
 }

@@ -103,11 +103,13 @@ static sheen_status make_masks(inputs *in, const sheen_session *s, int n_threads
     const size_t n = in->n_seen < MAX_MADE ? in->n_seen : MAX_MADE;
     for (size_t i = 0; i < n; i++)
         frames[i] = in->seen[i * in->n_seen / n].frame;
-    const sheen_status st = sheen_session_masks_make(masks, &in->n_backgrounds, s, &in->camera, &in->poses,
-                                                     frames, n, n_threads, err);
+    sheen_session_masks made = {.masks = masks};
+    const sheen_status st = sheen_session_masks_make(&made, s, &in->camera, &in->poses, frames, n, n_threads,
+                                                     err);
     for (size_t i = 0; i < n && !st; i++)
         in->seen[i * in->n_seen / n].mask = masks[i];
     in->n_masks = st ? 0 : n;
+    in->n_backgrounds = made.n_backgrounds;
     return st;
 }
 

@@ -55,7 +55,7 @@ static sheen_status find_background(pictures *p, size_t i, const sheen_frame_inf
     return read_view(p, p->n + k, empty, err);
 }
 
-sheen_status sheen_session_masks_make(sheen_image *masks, size_t *n_backgrounds, const sheen_session *s,
+sheen_status sheen_session_masks_make(sheen_session_masks *out, const sheen_session *s,
                                       const sheen_camera *camera, const sheen_poses *poses,
                                       const sheen_frame_info *const *frames, size_t n_frames, int n_threads,
                                       sheen_err *err)
@@ -63,7 +63,7 @@ sheen_status sheen_session_masks_make(sheen_image *masks, size_t *n_backgrounds,
     char path[SHEEN_PATH_MAX];
     sheen_board board;
     pictures p = {.session = s, .poses = poses, .n = n_frames};
-    *n_backgrounds = 0;
+    out->n_backgrounds = 0;
     sheen_status st = sheen_session_path(path, s, SHEEN_SESSION_BOARD, err);
     if (st || (st = sheen_board_load(&board, path, err)))
         return st;
@@ -78,9 +78,9 @@ sheen_status sheen_session_masks_make(sheen_image *masks, size_t *n_backgrounds,
             st = find_background(&p, i, frames[i], err);
     }
     if (!st)
-        st = sheen_board_masks_make(masks, camera, &board, p.views, n_frames,
+        st = sheen_board_masks_make(out->masks, camera, &board, p.views, n_frames,
                                     s->moving == SHEEN_MOVING_OBJECT, n_threads, err);
-    *n_backgrounds = p.n_empties;
+    out->n_backgrounds = p.n_empties;
     for (size_t i = 0; p.images && i < 2 * n_frames; i++)
         sheen_image_release(&p.images[i]);
     free(p.images);

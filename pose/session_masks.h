@@ -10,10 +10,15 @@
 extern "C" {
 #endif
 
-// masks[n_frames], as board_masks.h says, of frames that have poses; the caller releases them. Of an object that turned, the
-// frame of role background that belongs to a frame's round (one without a round: to frames without) shows what the object
-// hides beyond the board; *n_backgrounds: how many were used. EDATA, ENOMEM, and what the files say.
-sheen_status sheen_session_masks_make(sheen_image *masks, size_t *n_backgrounds, const sheen_session *s,
+typedef struct sheen_session_masks {
+    sheen_image *masks;   // [n_frames] of the caller, who releases what is put into them
+    size_t n_backgrounds; // pictures without the object that were used
+} sheen_session_masks;
+
+// Masks, as board_masks.h says, of frames that have poses. Of an object that turned, the frame of role background that belongs
+// to a frame's round (one without a round: to frames without) shows what the object hides beyond the board. EDATA, ENOMEM,
+// and what the files say.
+sheen_status sheen_session_masks_make(sheen_session_masks *out, const sheen_session *s,
                                       const sheen_camera *camera, const sheen_poses *poses,
                                       const sheen_frame_info *const *frames, size_t n_frames, int n_threads,
                                       sheen_err *err);
