@@ -181,6 +181,9 @@ static sheen_status convert_coded(float *out, const sheen_raster *r, const curve
     return SHEEN_OK;
 }
 
+// Squares and sums of it are still finite: what overflowed in the file is very bright, and no more.
+static const float most_light = 1e9f;
+
 static sheen_status image_from(sheen_image *out, const sheen_raster *r, const curve *by, sheen_err *err)
 {
     sheen_status s = sheen_image_init(out, r->width_px, r->height_px, 3, err);
@@ -197,7 +200,7 @@ static sheen_status image_from(sheen_image *out, const sheen_raster *r, const cu
     for (size_t i = 0; i < n_px; i++)
         for (int c = 0; c < 3; c++) {
             const float light = in[i * (size_t)r->n_channels + (size_t)channel_of(r, c)];
-            out->data[3 * i + (size_t)c] = isfinite(light) ? light : 0;
+            out->data[3 * i + (size_t)c] = isnan(light) ? 0 : fmaxf(-most_light, fminf(most_light, light));
         }
     return SHEEN_OK;
 }

@@ -63,7 +63,7 @@ sheen_status sheen_raster_init(sheen_raster *r, int width_px, int height_px, int
 void sheen_raster_release(sheen_raster *r);
 
 // RGB (3 channels; grey is repeated) in linear light. Alpha is dropped. Float rasters are
-// linear whatever `transfer` says; what is not finite in them becomes 0.
+// linear whatever `transfer` says; NaN becomes 0, and more than 1e9 (either way) is 1e9.
 sheen_status sheen_image_from_raster(sheen_image *out, const sheen_raster *r, sheen_transfer transfer,
                                      sheen_err *err);
 // The same by a measured curve instead: light at n_light (2 and more) codes evenly from 0 to 1, straight between them.

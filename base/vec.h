@@ -69,6 +69,18 @@ static inline float sheen_normalizef(float a[3])
     return n;
 }
 
+// Unit a and b at right angles to the unit direction d, a = e x d / |e x d| (e: the axis of d's smallest component, the
+// first of equals), b = d x a. Files with normal maps rely on it.
+static inline void sheen_axes_aboutf(float a[3], float b[3], const float d[3])
+{
+    float e[3] = {0, 0, 0};
+    const float x = fabsf(d[0]), y = fabsf(d[1]), z = fabsf(d[2]);
+    e[x <= y && x <= z ? 0 : y <= z ? 1 : 2] = 1;
+    sheen_crossf(a, e, d);
+    sheen_normalizef(a);
+    sheen_crossf(b, d, a);
+}
+
 // The direction in which v (pointing away from the surface) is mirrored about
 // the unit normal n: 2 (n.v) n - v.
 static inline void sheen_mirrorf(float out[3], const float n[3], const float v[3])

@@ -24,17 +24,6 @@ size_t sheen_lamp_point_count(float radius_rad, float sigma_rad)
     return ratio < 0.05f ? 1 : ratio < 1 ? 8 : ratio < 2 ? 16 : ratio < 4 ? 32 : ratio < 8 ? 64 : 128;
 }
 
-// a and b square to the unit direction d.
-static void axes_about(float a[3], float b[3], const float d[3])
-{
-    float axis[3] = {0, 0, 0};
-    const float x = fabsf(d[0]), y = fabsf(d[1]), z = fabsf(d[2]);
-    axis[x <= y && x <= z ? 0 : y <= z ? 1 : 2] = 1;
-    sheen_crossf(a, d, axis);
-    sheen_normalizef(a);
-    sheen_crossf(b, d, a);
-}
-
 static void disc_point(float out[3], const sheen_lamp *lamp, const float a[3], const float b[3], size_t k,
                        size_t n)
 {
@@ -47,7 +36,7 @@ static void disc_point(float out[3], const sheen_lamp *lamp, const float a[3], c
 static void place_points(sheen_lamp_points *p, size_t i, const sheen_lamp *lamp, size_t n)
 {
     float a[3], b[3];
-    axes_about(a, b, lamp->direction_world);
+    sheen_axes_aboutf(a, b, lamp->direction_world);
     for (size_t k = 0; k < n; k++) {
         float d[3];
         const size_t at = p->first[i] + k;
@@ -277,7 +266,7 @@ static double response_ref(const sheen_lamp *lamp, const sheen_lobe_shape *lobe,
     const double sigma = (double)lobe->sigma_rad, tail = (double)lobe->tail;
     const size_t n_points = sheen_lamp_point_count(lamp->radius_rad, lobe->sigma_rad);
     float a[3], b[3];
-    axes_about(a, b, lamp->direction_world);
+    sheen_axes_aboutf(a, b, lamp->direction_world);
     double sum = 0;
     for (size_t k = 0; k < n_points; k++) {
         float d[3];

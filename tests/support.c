@@ -46,6 +46,21 @@ void test_assert_fails(sheen_status got, const sheen_err *err, sheen_status want
     _fail(file, line);
 }
 
+static int n_skipped;
+
+void test_skip(const char *reason)
+{
+    print_message("skipped: %s\n", reason);
+    n_skipped++;
+    skip();
+}
+
+int test_result(int n_failed)
+{
+    const int ctest_skip = 77; // SKIP_RETURN_CODE of sheen_test
+    return n_failed ? 1 : n_skipped ? ctest_skip : 0;
+}
+
 void test_scratch_make(test_scratch *scratch)
 {
     const char *tmp = getenv("TMPDIR");

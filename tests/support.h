@@ -32,6 +32,12 @@ void test_assert_ok(sheen_status got, const sheen_err *err, const char *what, co
 void test_assert_fails(sheen_status got, const sheen_err *err, sheen_status want, const char *part,
                        const char *what, const char *file, int line);
 
+// Ends the test as skipped, with the reason; test_result of the group's failures then lets CTest count the program as
+// skipped where none failed:
+//     return test_result(cmocka_run_group_tests(tests, NULL, NULL));
+void test_skip(const char *reason);
+int test_result(int n_failed);
+
 // A scratch folder of this process alone. As a cmocka fixture:
 //     cmocka_unit_test_setup_teardown(writes_a_file, test_scratch_setup, test_scratch_teardown)
 // and in the test `const test_scratch *scratch = *state;`.

@@ -106,6 +106,13 @@ static void no_file(void **state)
     test_file_read("/nonexistent/a.json", NULL);
 }
 
+static void wants_what_is_not_here(void **state)
+{
+    (void)state;
+    test_skip("needs what is not here");
+    fail_msg("a skipped test went on");
+}
+
 int main(void)
 {
     const struct CMUnitTest must_fail[] = {
@@ -116,6 +123,12 @@ int main(void)
     const int n_failed = cmocka_run_group_tests_name("tests that must fail", must_fail, NULL, NULL);
     if (n_failed != n_must_fail) {
         print_error("%d of %d tests failed that must fail\n", n_failed, n_must_fail);
+        return 1;
+    }
+    const struct CMUnitTest skipped[] = {cmocka_unit_test(wants_what_is_not_here)};
+    const int n_skipped_failed = cmocka_run_group_tests_name("a test that must skip", skipped, NULL, NULL);
+    if (test_result(n_skipped_failed) != 77 || test_result(1) != 1) {
+        print_error("a skipped test must be told from a passed and a failed one\n");
         return 1;
     }
     const struct CMUnitTest tests[] = {

@@ -16,10 +16,8 @@ static void have(const char *program)
 {
     char command[128];
     snprintf(command, sizeof command, "command -v %s >/dev/null", program);
-    if (system(command)) {
-        print_message("needs %s\n", program);
-        skip();
-    }
+    if (system(command))
+        test_skip(program);
 }
 
 static uint8_t *draw(const char *command, const char *png, int *width_px, int *height_px)
@@ -164,5 +162,5 @@ int main(void)
                                         test_scratch_teardown),
         cmocka_unit_test_setup_teardown(says_what_does_not_fit, test_scratch_setup, test_scratch_teardown),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return test_result(cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -65,8 +65,7 @@ static void mrcal_finds_the_same_in_it(void **state)
 {
     static const char *const models[] = {"opencv8", "splined"};
     if (system("/usr/bin/python3 -c 'import mrcal' >/dev/null 2>&1")) {
-        print_message("needs the package mrcal\n");
-        skip();
+        test_skip("needs the package mrcal");
     }
     for (size_t m = 0; m < 2; m++) {
         sheen_err err;
@@ -129,5 +128,5 @@ int main(void)
         cmocka_unit_test_setup_teardown(mrcal_finds_the_same_in_it, test_scratch_setup,
                                         test_scratch_teardown),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return test_result(cmocka_run_group_tests(tests, NULL, NULL));
 }

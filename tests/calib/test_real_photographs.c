@@ -17,8 +17,7 @@ static void path_of(char out[TEST_PATH_MAX], const char *file)
 {
     const char *folder = getenv("SHEEN_TEST_PHOTOS");
     if (!folder) {
-        print_message("SHEEN_TEST_PHOTOS names no folder\n");
-        skip();
+        test_skip("SHEEN_TEST_PHOTOS names no folder of photographs");
         return;
     }
     snprintf(out, TEST_PATH_MAX, "%s/%s", folder, file);
@@ -126,14 +125,10 @@ static void every_published_tag_is_found(void **state)
 
 int main(void)
 {
-    if (!getenv("SHEEN_TEST_PHOTOS")) {
-        print_message("skipped: SHEEN_TEST_PHOTOS names no folder of photographs\n");
-        return 77; // CTest counts it as skipped
-    }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(webcam_boards_fit_as_well_as_mrcal, test_scratch_setup,
                                         test_scratch_teardown),
         cmocka_unit_test(every_published_tag_is_found),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return test_result(cmocka_run_group_tests(tests, NULL, NULL));
 }
