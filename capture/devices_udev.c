@@ -13,6 +13,7 @@
 
 #include "capture/devices.h"
 #include "capture/serial_devices.h"
+#include "capture/v4l2_camera.h"
 
 static void copy_text(char *out, size_t size_bytes, const char *text)
 {
@@ -249,6 +250,8 @@ void sheen_device_identity(char *text, size_t size_bytes, const char *path)
 
 void sheen_device_name(char *text, size_t size_bytes, const char *path)
 {
+    char device[128];
+    int fd;
     struct udev *udev = udev_new();
     struct udev_device *dev = device_of(udev, path);
     const char *name = dev ? udev_device_get_sysattr_value(dev, "name") : NULL;
@@ -256,6 +259,14 @@ void sheen_device_name(char *text, size_t size_bytes, const char *path)
     if (dev)
         udev_device_unref(dev);
     udev_unref(udev);
+    // A container may show the node alone; the driver knows the name, too.
+    if (!text[0] && !sheen_v4l2_camera_open(&fd, device, &sheen_v4l2_kernel, path, NULL)) {
+        sheen_v4l2_kernel.close(sheen_v4l2_kernel.self, fd);
+        char *bus = strrchr(device, '('); // "Name (where it is plugged in)"
+        if (bus && bus > device)
+            bus[-1] = 0;
+        snprintf(text, size_bytes, "%s", device);
+    }
 }
 
 // udevd has made the links when it tells of a device; without udevd looking again does.

@@ -23,8 +23,7 @@ static const quirk quirks[] = {
     {"0c45:6366", "OV9782", "exposure_most_ms=6"},
     {"0c45:636d", "USB Camera", "exposure_most_ms=50"},
     {"2560:c128", "", "exposure_most_ms=60"},
-    // Say yes to every exposure, and take the nearest of eight. PhotonVision, class LifeCam3kCameraSettables; WPILib's
-    // cscore has the same eight.
+    // Say yes to every exposure, and take the nearest of eight. PhotonVision, class LifeCam3kCameraSettables.
     {NULL, "LifeCam HD-3000", "exposures_ms=0.5,1,2,3.9,7.8,15.6,31.2,62.5"},
     {NULL, "LifeCam Cinema", "exposures_ms=0.5,1,2,3.9,7.8,15.6,31.2,62.5"},
 };

@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "capture/import.h"
-#include "cli/camera_memory.h"
+#include "cli/camera_open.h"
 #include "cli/choose.h"
 #include "cli/hook.h"
 #include "cli/shutter.h"
@@ -227,12 +227,7 @@ sheen_status sheen_cli_capture_session(sheen_cli *cli, sheen_cli_capture *a, con
     sheen_source *src = NULL;
     sheen_cli_session s = {0};
     sheen_record_report r = {0};
-    char uri[SHEEN_PATH_MAX], noted[240];
-    sheen_status st = sheen_cli_camera_uri(uri, noted, a->device, a->remember, err);
-    if (!st && noted[0])
-        sheen_cli_say(cli, "%s", noted);
-    if (!st)
-        st = sheen_source_open(&src, uri, err);
+    sheen_status st = sheen_cli_camera_open(cli, &src, a->device, a->remember, err);
     if (!st)
         st = sheen_cli_session_create(&s, path, a->moved, err);
     if (!st)

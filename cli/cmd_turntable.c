@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "cli/camera_open.h"
 #include "cli/commands.h"
 #include "cli/keys.h"
 #include "cli/table_arg.h"
@@ -154,7 +155,7 @@ static sheen_status set_up(sheen_cli *cli, const turntable_args *a, sheen_err *e
             s.path, s.path);
         goto done;
     }
-    if ((st = sheen_source_open(&w.src, a->camera, err)) ||
+    if ((st = sheen_cli_camera_open(cli, &w.src, a->camera, false, err)) ||
         (st = sheen_cli_table_open_plain(&table, &config, cli, a->device, a->file, err)))
         goto done;
     const sheen_cli_setup setup = {observe, &w};

@@ -11,6 +11,7 @@
 #include "calib/saddles.h"
 #include "calib/steady.h"
 #include "capture/record.h"
+#include "cli/camera_open.h"
 
 enum { MAX_VIEWS = 200 };
 
@@ -157,7 +158,7 @@ sheen_status sheen_cli_live(sheen_cli *cli, sheen_session *s, const sheen_live_o
     record.policy = (sheen_record_policy){.self = l, .look = look, .stored = stored};
     sheen_status st = load_board(l, s, err);
     if (!st)
-        st = sheen_source_open(&src, options->device, err);
+        st = sheen_cli_camera_open(cli, &src, options->device, false, err);
     if (!st)
         st = advise(l, err);
     if (!st)

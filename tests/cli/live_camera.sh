@@ -19,10 +19,16 @@ for i in 00 01 02 03 04 05 06 07 08 09 10 11 12 13 14 15; do
     for again in a b c; do cp "$data/frames/cal$i.jpg" "shown/$i$again.jpg"; done
 done
 "$sheen" import recorded shown >said 2>&1 || complain "cannot prepare"
+mkdir -p config/sheen
+cat >config/sheen/cameras.json <<END
+{"schema": "sheen-cameras/1", "cameras": [{"camera": "Fake Camera", "options": "transfer=srgb"}]}
+END
+export XDG_CONFIG_HOME="$scratch/config"
 "$with_camera" recorded "node=42;rate=4" "$sheen" calibrate live --live --device 'v4l2:/dev/video42?lock=off' \
     --board "$data/calibration-board.json" --accuracy-px 0.12 >said 2>&1
 code=$?
 [ "$code" = 0 ] || complain "exit code $code"
+grep -q 'of this camera is known: transfer=srgb' said || complain "what is remembered of the camera was not used"
 grep -q '^hold the board in the middle' said || complain "no first advice"
 grep -q '^tilt the board' said || complain "no advice on tilts"
 grep -q ': enough$' said || complain "it did not stop by itself"
