@@ -243,13 +243,14 @@ static void advise(char what[200], const sheen_calibration *c)
     if (c->tilt_rad < 0.5)
         snprintf(what, 200, "tilt the board more, by 30 degrees and more to each side");
     else if (!(c->rms_px <= 0.5))
-        snprintf(what, 200, "hold the board flat and still and focus on it; the worst frame is '%.60s'",
+        snprintf(what, 200,
+                 "hold the board flat and still (a rolling shutter bends what moves) and focus on it; the "
+                 "worst frame is '%.60s'",
                  worst);
     else if (outliers > 0.03)
         snprintf(what, 200,
                  "%.0f %% of the corners do not fit: check that the printed board is the one in its file, "
-                 "and look "
-                 "at '%.60s'",
+                 "and look at '%.60s'",
                  100 * outliers, worst);
     else if (c->coverage < 0.7)
         snprintf(what, 200, "add frames with the board at the image's %s edge", emptiest_side(c));
@@ -263,8 +264,7 @@ static void advise(char what[200], const sheen_calibration *c)
     else if (c->has_halves && c->normalised_error > MOST_DISAGREEMENT)
         snprintf(what, 200,
                  "halves of the frames disagree %.1f times more than noise explains: try --model auto; was "
-                 "the focus "
-                 "changed, or the board bent, between frames?",
+                 "the focus changed, or the board bent, between frames?",
                  c->normalised_error);
 }
 
