@@ -16,6 +16,7 @@
 #include "pose/register_session.h"
 
 static const double DEG_PER_RAD = 57.29577951308232;
+static const double WIDE_PX = 0.5; // masks that are so much too wide, or too narrow, are worth a word
 
 // What the person said.
 typedef struct request {
@@ -84,18 +85,23 @@ static void say_result(sheen_cli *cli, const sheen_register_result *r, const req
         sheen_json_put_int(&cli->out, "backgrounds", (long long)r->n_backgrounds);
         sheen_cli_say(cli,
                       "outlines and masks of %zu frames: %.2f px apart (%.2f px rms), overlap %.2f %%; known "
-                      "to %.3f mm and %.3f degrees, as far as the outlines go",
+                      "to %.3f mm (its worst point) and %.3f degrees",
                       g->n_views, g->misfit.border_px, g->misfit.rms_px, 100 * g->misfit.overlap,
                       1e3 * g->sigma_m, DEG_PER_RAD * g->sigma_rad);
         sheen_json_put_number(&cli->out, "border_px", g->misfit.border_px);
         sheen_json_put_number(&cli->out, "rms_px", g->misfit.rms_px);
+        const bool fits = g->state != SHEEN_REGISTER_POOR;
+        if (fits && fabs(g->misfit.offset_px) > WIDE_PX)
+            sheen_cli_say(cli, "the borders lie %.1f px %s the object's outlines all around: allowed for",
+                          fabs(g->misfit.offset_px), g->misfit.offset_px > 0 ? "outside of" : "inside of");
         sheen_json_put_number(&cli->out, "overlap", g->misfit.overlap);
+        sheen_json_put_number(&cli->out, "offset_px", g->misfit.offset_px);
         sheen_json_put_number(&cli->out, "second_border_px", g->second_border_px);
         sheen_json_put_number(&cli->out, "height_m", g->height_m);
-        if (g->up)
+        if (fits && g->up)
             sheen_cli_say(cli, "the mesh's %s points up%s", sheen_up_name(g->up),
                           asked->ups ? ", as told" : "");
-        if (fabs(g->height_m) > 1e-3)
+        if (fits && fabs(g->height_m) > 1e-3)
             sheen_cli_warn(cli, "the mesh's lowest point is %.1f mm %s the board", 1e3 * fabs(g->height_m),
                            g->height_m > 0 ? "above" : "below");
     }

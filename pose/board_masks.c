@@ -24,10 +24,13 @@ enum {
     BRIDGED = 64
 }; // pieces within this part of the picture's width of one another are one, whatever lies between
 
-static const double speck = 0.03;        // of the largest piece's area
-static const float most_evidence = 4;    // of one pixel, in logarithms of odds
-static const float least_evidence = 1;   // of the surest pixel about one that counts
-static const float least_noise = 0.012f; // of a square root of light, print and resampling included
+static const double speck = 0.03;      // of the largest piece's area
+static const float most_evidence = 4;  // of one pixel, in logarithms of odds
+static const float least_evidence = 1; // of the surest pixel about one that counts
+static const float hardly =
+    -2; // of a mask before it is held to 0..1: evidence against the object below this is heeded
+static const float on_nearly_all_sides = 0.85f; // share
+static const float least_noise = 0.012f;        // of a square root of light, print and resampling included
 static const double board_margin =
     1.15;                       // of its half sides: its paper and the plate that it lies on turn, too
 static const float far_off = 4; // in parts of the noise: certainly not the plane
@@ -43,9 +46,10 @@ typedef struct view_job {
     sheen_image *mask;
     const float *directions; // [rows][columns][3] in the camera's frame, every GRID_PX pixels
     int columns;
-    sheen_Rt Rt_board_cam, Rt_board_empty; // of the view, of its picture without the object
+    sheen_Rt Rt_board_cam;
     double half_board_m[2];
-    float gain, noise, empty_gain; // gains: to the plane's exposure
+    float gain, noise;        // gain: to the plane's exposure
+    const sheen_image *still; // of the camera's size, square roots of light; negative: not known. NULL: none
     bool turned;
     const float *colours; // [N_BINS] log density of the object's colours; NULL: not known yet
 } view_job;
@@ -108,23 +112,28 @@ static void begin_range(float low[3], float high[3])
     }
 }
 
-// Range of the colours about a pixel without the object, where the board lies neither now nor lay then.
-static bool empty_colours(float low[3], float high[3], const view_job *j, int x, int y)
+static bool is_on_board(const view_job *j, const sheen_Rt *Rt_board_cam, const double d_cam[3])
 {
-    const sheen_Rt *const boards[2] = {&j->Rt_board_cam, &j->Rt_board_empty};
-    double d_cam[3], q_m[2];
-    if (!j->view->empty || x < 1 || y < 1 || x > j->camera->width_px - 2 || y > j->camera->height_px - 2)
+    double q_m[2];
+    return meet_plane(q_m, Rt_board_cam, d_cam) && fabs(q_m[0]) < board_margin * j->half_board_m[0] &&
+           fabs(q_m[1]) < board_margin * j->half_board_m[1];
+}
+
+// Range of the colours about a pixel of what stands still, where the board does not lie.
+static bool still_colours(float low[3], float high[3], const view_job *j, int x, int y)
+{
+    double d_cam[3];
+    if (!j->still || x < 1 || y < 1 || x > j->camera->width_px - 2 || y > j->camera->height_px - 2)
         return false;
     line_of_sight(d_cam, j, x, y);
-    for (int i = 0; i < 2; i++)
-        if (meet_plane(q_m, boards[i], d_cam) && fabs(q_m[0]) < board_margin * j->half_board_m[0] &&
-            fabs(q_m[1]) < board_margin * j->half_board_m[1])
-            return false;
+    if (is_on_board(j, &j->Rt_board_cam, d_cam))
+        return false;
     begin_range(low, high);
     for (int dy = -1; dy <= 1; dy++)
         for (int dx = -1; dx <= 1; dx++) {
-            float root[3];
-            root_of(root, sheen_image_at(j->view->empty->rgb, x + dx, y + dy), j->empty_gain);
+            const float *root = sheen_image_at(j->still, x + dx, y + dy);
+            if (root[0] < 0)
+                return false;
             for (int c = 0; c < 3; c++) {
                 low[c] = fminf(low[c], root[c]);
                 high[c] = fmaxf(high[c], root[c]);
@@ -241,7 +250,7 @@ static void weigh_rows(void *self, size_t begin, size_t end)
         for (int x = 0; x < j->camera->width_px; x++) {
             float low[3], high[3], root[3], *out = sheen_image_at(j->mask, x, (int)y);
             *out = NAN;
-            if (!empty_colours(low, high, j, x, (int)y) && !plane_colours(low, high, j, x, (int)y))
+            if (!still_colours(low, high, j, x, (int)y) && !plane_colours(low, high, j, x, (int)y))
                 continue;
             root_of(root, sheen_image_at(j->view->rgb, x, (int)y), j->gain);
             if (!j->colours) {
@@ -286,26 +295,79 @@ static sheen_status measure(view_job *j, sheen_err *err)
     return SHEEN_OK;
 }
 
-// The exposure of the picture without the object against the plane's: the median over what is in both.
-static sheen_status measure_empty(view_job *j, sheen_err *err)
+// What stands still before one camera: from its picture without the object, and where the board lay there from
+// the photographs in which it does not lie there any more.
+typedef struct still_job {
+    const view_job *jobs; // those with the same picture without the object
+    size_t n_jobs;
+    const sheen_image *empty;
+    sheen_Rt Rt_board_empty;
+    float gain; // of the empty picture
+    sheen_image *out;
+} still_job;
+
+enum { STILL_VIEWS = 32 };
+
+static void still_rows(void *self, size_t begin, size_t end)
 {
-    const size_t most = (size_t)j->camera->width_px * (size_t)j->camera->height_px / (GRID_PX * GRID_PX) + 1;
-    double *ratios = malloc(most * sizeof *ratios);
-    size_t n = 0;
-    if (!ratios)
-        return sheen_fail_memory(err, 8.0 * (double)most, "a mask");
-    j->empty_gain = 1;
-    for (int y = GRID_PX / 2; y < j->camera->height_px; y += GRID_PX)
-        for (int x = GRID_PX / 2; x < j->camera->width_px && n < most; x += GRID_PX) {
-            float low[3], high[3], root[3];
-            root_of(root, sheen_image_at(j->view->rgb, x, y), j->gain);
-            if (empty_colours(low, high, j, x, y) && low[1] > 0.05f && high[1] - low[1] < 0.1f)
-                ratios[n++] = (double)(2 * root[1] / (low[1] + high[1]));
+    const still_job *s = self;
+    for (size_t y = begin; y < end; y++)
+        for (int x = 0; x < s->out->width_px; x++) {
+            float *out = sheen_image_at(s->out, x, (int)y), rgb[STILL_VIEWS][3];
+            double d_cam[3];
+            int n = 0;
+            line_of_sight(d_cam, s->jobs, x, (int)y);
+            if (!is_on_board(s->jobs, &s->Rt_board_empty, d_cam)) {
+                root_of(out, sheen_image_at(s->empty, x, (int)y), s->gain);
+                continue;
+            }
+            for (size_t v = 0; v < s->n_jobs && n < STILL_VIEWS; v++)
+                if (!is_on_board(&s->jobs[v], &s->jobs[v].Rt_board_cam, d_cam))
+                    root_of(rgb[n++], sheen_image_at(s->jobs[v].view->rgb, x, (int)y), s->jobs[v].gain);
+            if (!sheen_colours_agree(out, rgb, n))
+                out[0] = out[1] = out[2] = -1;
         }
-    qsort(ratios, n, sizeof *ratios, sheen_ascending);
-    j->empty_gain = n ? (float)ratios[n / 2] : j->gain;
-    free(ratios);
-    return SHEEN_OK;
+}
+
+// The exposure of the picture without the object against the plane's: the median over the board.
+static sheen_status measure_empty(still_job *s, sheen_err *err)
+{
+    view_job as_view = s->jobs[0];
+    as_view.view = s->jobs[0].view->empty;
+    as_view.Rt_board_cam = s->Rt_board_empty;
+    const sheen_status status = measure(&as_view, err);
+    s->gain = as_view.gain;
+    return status;
+}
+
+// jobs[n_jobs], neighbours with one picture without the object, get *out, which they are lent.
+static sheen_status make_still(sheen_image *out, view_job *jobs, size_t n_jobs, int n_threads, sheen_err *err)
+{
+    still_job s = {.jobs = jobs, .n_jobs = n_jobs, .empty = jobs[0].view->empty->rgb, .out = out};
+    sheen_Rt Rt_cam_board;
+    sheen_Rt_from_rt(&Rt_cam_board, jobs[0].view->empty->rt_cam_board);
+    sheen_Rt_invert(&s.Rt_board_empty, &Rt_cam_board);
+    sheen_status status = sheen_image_init(out, jobs[0].camera->width_px, jobs[0].camera->height_px, 3, err);
+    if (!status)
+        status = measure_empty(&s, err);
+    if (!status)
+        sheen_parallel_for((size_t)out->height_px, 16, n_threads, still_rows, &s);
+    for (size_t v = 0; v < n_jobs; v++)
+        jobs[v].still = out;
+    return status;
+}
+
+static sheen_status make_stills(sheen_image *stills, view_job *jobs, size_t n_views, int n_threads,
+                                sheen_err *err)
+{
+    sheen_status s = SHEEN_OK;
+    for (size_t v = 0, end; v < n_views && !s; v = end) {
+        for (end = v + 1; end < n_views && jobs[end].view->empty == jobs[v].view->empty;)
+            end++;
+        if (jobs[v].view->empty)
+            s = make_still(&stills[v], jobs + v, end - v, n_threads, err);
+    }
+    return s;
 }
 
 // Log density of the colours of all pixels that are certainly the object's; one in ten may have any.
@@ -404,8 +466,25 @@ static void count_pixels(int32_t *counts, const int32_t *number, size_t n)
         counts[number[i]]++;
 }
 
-// Evidence to a mask: smoothed, its largest piece, from 0 to 1.
-static sheen_status finish(sheen_image *mask, sheen_err *err)
+// What cannot be told, or hardly, and has the object on nearly all sides (as where it stands before the board's edge) is the object.
+// room, share: [w * h] each.
+static void close_gaps(sheen_image *mask, float *share, float *room, int r)
+{
+    const int w = mask->width_px, h = mask->height_px;
+    const size_t n = (size_t)w * (size_t)h;
+    for (size_t i = 0; i < n; i++) {
+        const float m = mask->data[i];
+        share[i] = m > 0.5f ? 1 : m <= hardly ? 0 : NAN;
+    }
+    box(share, room, w, h, 3 * r, false);
+    for (size_t i = 0; i < n; i++)
+        if (!(mask->data[i] > 0.5f) && !(mask->data[i] <= hardly) && share[i] > on_nearly_all_sides)
+            mask->data[i] = 1;
+}
+
+// Evidence to a mask: smoothed, its largest piece, from 0 to 1. with_gaps: much is not known all
+// about; what is not told is left so, and beside the object it is the plane in a shadow sooner than the object.
+static sheen_status finish(sheen_image *mask, bool with_gaps, sheen_err *err)
 {
     const int w = mask->width_px, h = mask->height_px, r = w / 640 > 1 ? w / 640 : 1;
     const size_t n = (size_t)w * (size_t)h;
@@ -429,8 +508,12 @@ static sheen_status finish(sheen_image *mask, sheen_err *err)
         for (size_t i = 0; i < n; i++) {
             const float e = mask->data[i];
             const bool told = sure[i] > least_evidence && (e <= 0 || (object && number[i] == object));
-            mask->data[i] = told ? fminf(1, fmaxf(0, 0.5f + 2 * e)) : NAN;
+            mask->data[i] = told && !(isnan(e) && !with_gaps) ? fmaxf(hardly, 0.5f + 2 * e) : NAN;
         }
+        if (!with_gaps)
+            close_gaps(mask, sure, room, r);
+        for (size_t i = 0; i < n; i++)
+            mask->data[i] = isnan(mask->data[i]) ? NAN : fminf(1, fmaxf(0, mask->data[i]));
     }
     free(sure);
     free(room);
@@ -440,17 +523,48 @@ static sheen_status finish(sheen_image *mask, sheen_err *err)
     return s;
 }
 
+static sheen_status begin_job(view_job *j, const sheen_board *board, sheen_err *err)
+{
+    sheen_Rt Rt_cam_board;
+    j->half_board_m[0] = 0.5 * board->n_cols * board->square_m;
+    j->half_board_m[1] = 0.5 * board->n_rows * board->square_m;
+    sheen_Rt_from_rt(&Rt_cam_board, j->view->rt_cam_board);
+    sheen_Rt_invert(&j->Rt_board_cam, &Rt_cam_board);
+    const sheen_status s = sheen_image_init(j->mask, j->camera->width_px, j->camera->height_px, 1, err);
+    return s ? s : measure(j, err);
+}
+
+// Masks of jobs whose planes and still surroundings are known: first what is certain, then all by the object's colours.
+static sheen_status weigh_all(view_job *jobs, size_t n_views, int n_threads, sheen_err *err)
+{
+    float colours[N_BINS];
+    sheen_status s = SHEEN_OK;
+    for (size_t v = 0; v < n_views; v++)
+        sheen_parallel_for((size_t)jobs[v].camera->height_px, 16, n_threads, weigh_rows, &jobs[v]);
+    learn_colours(colours, jobs, n_views);
+    for (size_t v = 0; v < n_views && !s; v++) {
+        jobs[v].colours = colours;
+        sheen_parallel_for((size_t)jobs[v].camera->height_px, 16, n_threads, weigh_rows, &jobs[v]);
+        s = finish(jobs[v].mask, !jobs[v].still, err);
+    }
+    return s;
+}
+
 sheen_status sheen_board_masks_make(sheen_image *masks, const sheen_camera *camera, const sheen_board *board,
                                     const sheen_plane_view *views, size_t n_views, bool turned, int n_threads,
                                     sheen_err *err)
 {
     sheen_plane_picture plane;
-    float colours[N_BINS], *directions = NULL;
+    float *directions = NULL;
     int columns = 0;
     memset(masks, 0, n_views * sizeof *masks);
     view_job *jobs = calloc(n_views + 1, sizeof *jobs);
-    if (!jobs)
+    sheen_image *stills = calloc(n_views + 1, sizeof *stills);
+    if (!jobs || !stills) {
+        free(jobs);
+        free(stills);
         return sheen_fail_memory(err, (double)n_views * sizeof *jobs, "masks");
+    }
     sheen_status s = sheen_plane_picture_make(&plane, camera, board, views, n_views, n_threads, err);
     if (!s)
         s = make_directions(&directions, &columns, camera, err);
@@ -458,33 +572,20 @@ sheen_status sheen_board_masks_make(sheen_image *masks, const sheen_camera *came
         jobs[v] = (view_job){camera,          &plane,  &views[v], &masks[v],
                              directions,      columns, .gain = 1, .noise = least_noise,
                              .turned = turned};
-        jobs[v].half_board_m[0] = 0.5 * board->n_cols * board->square_m;
-        jobs[v].half_board_m[1] = 0.5 * board->n_rows * board->square_m;
-        sheen_Rt Rt_cam_board;
-        sheen_Rt_from_rt(&Rt_cam_board, views[v].rt_cam_board);
-        sheen_Rt_invert(&jobs[v].Rt_board_cam, &Rt_cam_board);
-        s = sheen_image_init(&masks[v], camera->width_px, camera->height_px, 1, err);
-        if (!s)
-            s = measure(&jobs[v], err);
-        if (!s && views[v].empty) {
-            sheen_Rt_from_rt(&Rt_cam_board, views[v].empty->rt_cam_board);
-            sheen_Rt_invert(&jobs[v].Rt_board_empty, &Rt_cam_board);
-            s = measure_empty(&jobs[v], err);
-        }
-        if (!s)
-            sheen_parallel_for((size_t)camera->height_px, 16, n_threads, weigh_rows, &jobs[v]);
+        s = begin_job(&jobs[v], board, err);
     }
     if (!s)
-        learn_colours(colours, jobs, n_views);
-    for (size_t v = 0; v < n_views && !s; v++) {
-        jobs[v].colours = colours;
-        sheen_parallel_for((size_t)camera->height_px, 16, n_threads, weigh_rows, &jobs[v]);
-        s = finish(&masks[v], err);
+        s = make_stills(stills, jobs, n_views, n_threads, err);
+    if (!s)
+        s = weigh_all(jobs, n_views, n_threads, err);
+    for (size_t v = 0; v < n_views; v++) {
+        sheen_image_release(&stills[v]);
+        if (s)
+            sheen_image_release(&masks[v]);
     }
-    for (size_t v = 0; v < n_views && s; v++)
-        sheen_image_release(&masks[v]);
     free(directions);
     free(jobs);
+    free(stills);
     sheen_plane_picture_release(&plane);
     return s;
 }

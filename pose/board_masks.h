@@ -12,8 +12,9 @@ extern "C" {
 #endif
 
 // masks[n_views]: one channel of the camera's size, above 1/2 the object, below the plane that it stands on, NaN where that
-// cannot be told: beyond the plane that plane_picture.h knows and the view's picture without the object (which counts where
-// the board is in neither), and where object and board look the same. Of what hides the
+// cannot be told: beyond the plane that plane_picture.h knows, and where object and board look the same. The views' picture
+// without the object shows what stands still beyond the board, as do, where the board lay in it, views whose board has turned
+// away from there; views that share one follow each other. Of what hides the
 // plane the largest piece in each photograph is the object. turned: board and object turned together under lights that stood
 // still, so that shadows wander over the board and its places change in brightness: what could be the plane in other light
 // is not taken for the object. The caller releases them. EDATA: as plane_picture.h says; ENOMEM.

@@ -9,128 +9,63 @@
 #include "base/order.h"
 #include "base/vec.h"
 #include "calib/cholesky.h"
+#include "pose/outline_border.h"
+#include "pose/outline_residuals.h"
 
-enum { N = SHEEN_OUTLINE_UNKNOWNS };
+enum { N = SHEEN_OUTLINE_UNKNOWNS, MIN_GROUPS = 4, SECTORS = 8 };
 
-static const double STEP_PX = 0.5;
 static const double MIN_SCALE_PX = 0.15; // of the weights: never sharper than this
-static const double CORRELATION_PX = 8;  // a border's errors over this length go together
-static const double MIN_EDGE = 0.04;     // of brightness over two pixels, to be an edge at all
+static const double OFFSET_PX = 1.5;     // masks are so much too wide or too narrow
+static const double CORRELATION_PX = 8;  // of a border have one error: weighs what is expected of the offset
 static const double DAMPING = 1e-6;      // keeps what nothing determines where it is
 static const double DONE_M = 3e-6;
 static const double MEDIAN_TO_SIGMA = 1.4826;
 
-// Bilinear; NaN outside and where a neighbour is not known.
-static double sample(const float *data, int width_px, int height_px, double x, double y)
-{
-    if (!(x >= 0 && y >= 0 && x <= width_px - 1 && y <= height_px - 1))
-        return (double)NAN;
-    const int i = x < width_px - 1 ? (int)x : width_px - 2, j = y < height_px - 1 ? (int)y : height_px - 2;
-    const float *p = data + (size_t)j * (size_t)width_px + i, *q = p + width_px;
-    const double u = x - i, v = y - j;
-    if (!(p[0] >= 0 && p[1] >= 0 && q[0] >= 0 && q[1] >= 0))
-        return (double)NAN;
-    return (1 - v) * ((1 - u) * (double)p[0] + u * (double)p[1]) +
-           v * ((1 - u) * (double)q[0] + u * (double)q[1]);
-}
-
-// Distance along the normal to the mask's border: outwards from inside the mask, inwards from outside.
-static bool find_border(double *distance_px, const sheen_outline_view *v, const sheen_outline_sample *s,
-                        double reach_px)
-{
-    const int w = v->canvas.width_px, h = v->canvas.height_px;
-    double before = sample(v->mask, w, h, s->q_px[0], s->q_px[1]);
-    const double sign = before >= 0.5 ? 1 : -1;
-    const int n_steps = (int)(reach_px / STEP_PX);
-    for (int step = 1; step <= n_steps && isfinite(before); step++) {
-        const double t = step * STEP_PX;
-        const double now = sample(v->mask, w, h, s->q_px[0] + sign * t * s->n_px[0],
-                                  s->q_px[1] + sign * t * s->n_px[1]);
-        if (!isfinite(now))
-            return false;
-        if ((now >= 0.5) != (before >= 0.5)) {
-            *distance_px = sign * (t - STEP_PX + STEP_PX * (0.5 - before) / (now - before));
-            return true;
-        }
-        before = now;
-    }
-    return false;
-}
-
-// Distance to the steepest step of brightness, nearer ones being preferred.
-static bool find_edge(double *distance_px, const sheen_outline_view *v, const sheen_outline_sample *s,
-                      double reach_px)
-{
-    enum { MAX = 64 };
-    double step[MAX], best = 0;
-    const int n = (int)fmin(MAX / 2 - 1, reach_px / STEP_PX), w = v->canvas.width_px, h = v->canvas.height_px;
-    int at = -1;
-    for (int i = 0; i <= 2 * n; i++) {
-        const double t = (i - n) * STEP_PX;
-        const double out = sample(v->light, w, h, s->q_px[0] + (t + 1) * s->n_px[0],
-                                  s->q_px[1] + (t + 1) * s->n_px[1]);
-        const double in = sample(v->light, w, h, s->q_px[0] + (t - 1) * s->n_px[0],
-                                 s->q_px[1] + (t - 1) * s->n_px[1]);
-        step[i] = fabs(out - in);
-        if (!isfinite(step[i]))
-            return false;
-        const double preferred = step[i] / (1 + t * t / (reach_px * reach_px));
-        if (preferred > best) {
-            best = preferred;
-            at = i;
-        }
-    }
-    if (at < 1 || at >= 2 * n || step[at] < MIN_EDGE || step[at] < step[at - 1] || step[at] < step[at + 1])
-        return false;
-    const double curve = step[at - 1] - 2 * step[at] + step[at + 1];
-    const double peak = curve < 0 ? 0.5 * (step[at - 1] - step[at + 1]) / curve : 0;
-    *distance_px = (at - n + peak) * STEP_PX;
-    return true;
-}
-
-typedef struct residual {
-    double distance_px, length_px, J[N];
-} residual;
-
-typedef struct residuals {
-    residual *list;
-    size_t n, capacity;
-    double length_px; // of all outlines where the mask is known, border found or not
-} residuals;
-
-static sheen_status add_residual(residuals *all, const sheen_outline_sample *s, double distance_px,
-                                 const double pivot_board[3], const sheen_outline_fit_options *o,
-                                 sheen_err *err)
+static sheen_status add_residual(sheen_outline_residuals *all, const sheen_outline_sample *s,
+                                 double distance_px, size_t i_group, const double pivot_board[3],
+                                 const sheen_outline_fit_options *o, sheen_err *err)
 {
     if (all->n == all->capacity) {
         const size_t capacity = 2 * all->capacity + 1024;
-        residual *grown = realloc(all->list, capacity * sizeof *grown);
+        sheen_outline_residual *grown = realloc(all->list, capacity * sizeof *grown);
         if (!grown)
             return sheen_fail_memory(err, (double)capacity * sizeof *grown, "outlines");
         all->list = grown;
         all->capacity = capacity;
     }
-    residual *r = &all->list[all->n++];
+    sheen_outline_residual *r = &all->list[all->n++];
     double arm[3], g[3];
     r->distance_px = distance_px;
     r->length_px = s->length_px;
+    r->i_group = i_group;
+    all->n_groups = i_group >= all->n_groups ? i_group + 1 : all->n_groups;
     for (int c = 0; c < 3; c++)
         g[c] = s->n_px[0] * s->dq_dboard[c] + s->n_px[1] * s->dq_dboard[3 + c];
     sheen_sub(arm, s->p_board, pivot_board);
     sheen_cross(r->J, arm, g);
     memcpy(r->J + 3, g, sizeof g);
     r->J[6] = sheen_dot(arm, g);
+    r->J[7] = 1;
     for (int k = 0; k < N; k++)
         r->J[k] = o->free[k] ? r->J[k] : 0;
     return SHEEN_OK;
 }
 
-static sheen_status collect(residuals *all, const sheen_outline_mesh *mesh, const sheen_placement *placement,
-                            const sheen_outline_views *in, const double pivot_board[3],
-                            const sheen_outline_fit_options *o, sheen_err *err)
+// Errors of a frame go together. Of few frames one looks at the sides of the outlines instead.
+static size_t group_of(const sheen_outline_sample *s, size_t i_view, size_t n_views)
+{
+    return n_views >= MIN_GROUPS ? i_view
+                                 : SECTORS * i_view + (s->n_px[0] > 0) + 2 * (size_t)(s->n_px[1] > 0) +
+                                       4 * (size_t)(fabs(s->n_px[0]) > fabs(s->n_px[1]));
+}
+
+static sheen_status collect(sheen_outline_residuals *all, const sheen_outline_mesh *mesh,
+                            const sheen_placement *placement, double offset_px, const sheen_outline_views *in,
+                            const double pivot_board[3], const sheen_outline_fit_options *o, sheen_err *err)
 {
     all->n = 0;
     all->length_px = 0;
+    all->n_groups = 0;
     for (size_t v = 0; v < in->n_views; v++) {
         const sheen_outline_view *view = &in->views[v];
         sheen_outline *outline = &in->outlines[v];
@@ -138,13 +73,13 @@ static sheen_status collect(residuals *all, const sheen_outline_mesh *mesh, cons
         for (size_t i = 0; !s && i < outline->n_samples; i++) {
             const sheen_outline_sample *at = &outline->samples[i];
             double distance_px;
-            if (isnan(sample(view->mask, view->canvas.width_px, view->canvas.height_px, at->q_px[0],
-                             at->q_px[1])))
+            if (!sheen_outline_mask_known(view, at))
                 continue;
             all->length_px += at->length_px;
-            if (o->edges ? view->light && find_edge(&distance_px, view, at, o->reach_px)
-                         : find_border(&distance_px, view, at, o->reach_px))
-                s = add_residual(all, at, distance_px, pivot_board, o, err);
+            if (o->edges ? sheen_outline_find_edge(&distance_px, view, at, o->reach_px)
+                         : sheen_outline_find_border(&distance_px, view, at, o->reach_px))
+                s = add_residual(all, at, distance_px - offset_px, group_of(at, v, in->n_views), pivot_board,
+                                 o, err);
         }
         if (s)
             return s;
@@ -152,8 +87,8 @@ static sheen_status collect(residuals *all, const sheen_outline_mesh *mesh, cons
     return SHEEN_OK;
 }
 
-// A robust standard deviation of the distances.
-static sheen_status spread_px(double *out, const residuals *all, sheen_err *err)
+// From a robust standard deviation of the distances.
+static sheen_status set_weights(sheen_outline_residuals *all, sheen_err *err)
 {
     double *sorted = malloc((all->n + 1) * sizeof *sorted);
     if (!sorted)
@@ -161,22 +96,24 @@ static sheen_status spread_px(double *out, const residuals *all, sheen_err *err)
     for (size_t i = 0; i < all->n; i++)
         sorted[i] = fabs(all->list[i].distance_px);
     qsort(sorted, all->n, sizeof *sorted, sheen_ascending);
-    *out = fmax(MIN_SCALE_PX, all->n ? MEDIAN_TO_SIGMA * sorted[all->n / 2] : 0);
+    const double sigma_px = fmax(MIN_SCALE_PX, all->n ? MEDIAN_TO_SIGMA * sorted[all->n / 2] : 0);
     free(sorted);
+    all->far2_px2 = 9 * sigma_px * sigma_px;
+    all->offset_sigma_px = OFFSET_PX;
+    all->offset_weight = CORRELATION_PX * sigma_px * sigma_px / (OFFSET_PX * OFFSET_PX);
     return SHEEN_OK;
 }
 
 // The weighted equations; rms of what the weights hold on to.
-static void normal_equations(double H[N * N], double b[N], double *rms_px, const residuals *all,
-                             double sigma_px)
+static void normal_equations(double H[N * N], double b[N], sheen_outline_misfit *misfit,
+                             const sheen_outline_residuals *all)
 {
     double sum = 0, weights = 0;
-    const double far2 = 9 * sigma_px * sigma_px;
     memset(H, 0, N * N * sizeof *H);
     memset(b, 0, N * sizeof *b);
     for (size_t i = 0; i < all->n; i++) {
-        const residual *r = &all->list[i];
-        const double k = far2 / (far2 + r->distance_px * r->distance_px), w = k * k * r->length_px;
+        const sheen_outline_residual *r = &all->list[i];
+        const double w = sheen_outline_weight(all, r);
         weights += w;
         sum += w * r->distance_px * r->distance_px;
         for (int u = 0; u < N; u++) {
@@ -185,7 +122,9 @@ static void normal_equations(double H[N * N], double b[N], double *rms_px, const
                 H[N * u + v] += w * r->J[u] * r->J[v];
         }
     }
-    *rms_px = sqrt(sum / fmax(weights, 1e-9));
+    H[N * N - 1] += all->offset_weight;
+    b[SHEEN_OUTLINE_OFFSET] -= all->offset_weight * misfit->offset_px;
+    misfit->rms_px = sqrt(sum / fmax(weights, 1e-9));
 }
 
 // Solves for the step; what is not free, or hardly determined, stays.
@@ -273,49 +212,32 @@ static void compare_areas(sheen_outline_misfit *m, const sheen_outline_views *in
     m->border_px = length_px > 0 ? differ / length_px : (double)INFINITY;
 }
 
-static void set_covariance(sheen_outline_misfit *m, const double H[N * N], const bool is_free[N])
-{
-    double A[N * N];
-    memcpy(A, H, sizeof A);
-    for (int u = 0; u < N; u++)
-        A[N * u + u] += is_free[u] ? 1e-9 : 1;
-    memset(m->covariance, 0, sizeof m->covariance);
-    if (!sheen_cholesky(A, N)) {
-        for (int u = 0; u < N; u++)
-            m->covariance[N * u + u] = is_free[u] ? (double)INFINITY : 0;
-        return;
-    }
-    sheen_cholesky_invert(m->covariance, A, N);
-    for (int u = 0; u < N; u++)
-        for (int v = 0; v < N; v++)
-            m->covariance[N * u + v] *= is_free[u] && is_free[v] ? m->rms_px * m->rms_px * CORRELATION_PX : 0;
-}
-
 sheen_status sheen_outline_fit(sheen_placement *placement, sheen_outline_misfit *misfit,
                                const sheen_outline_mesh *mesh, const sheen_outline_views *views,
                                const double centre_obj[3], const sheen_outline_fit_options *options,
                                sheen_err *err)
 {
-    residuals all = {0};
-    double H[N * N], b[N], step[N], pivot[3], sigma_px = 1;
+    sheen_outline_residuals all = {0};
+    double H[N * N], b[N], step[N], pivot[3];
     *misfit = (sheen_outline_misfit){.moved_m = INFINITY};
     const double radius_m = radius_of(mesh, placement, centre_obj);
     sheen_status s = SHEEN_OK;
     for (int round = 0; !s; round++) {
         pivot_of(pivot, placement, centre_obj, options->pivot_on_board);
-        s = collect(&all, mesh, placement, views, pivot, options, err);
+        s = collect(&all, mesh, placement, misfit->offset_px, views, pivot, options, err);
         if (!s && all.n < 2 * N)
             s = sheen_fail(err, SHEEN_EDATA, "the mesh's outline is nowhere near the masks");
         if (!s)
-            s = spread_px(&sigma_px, &all, err);
+            s = set_weights(&all, err);
         if (s)
             break;
-        normal_equations(H, b, &misfit->rms_px, &all, sigma_px);
+        normal_equations(H, b, misfit, &all);
         if (round == options->max_steps || misfit->moved_m < DONE_M)
             break;
         if (!solve(step, H, b, options->free))
             break;
         misfit->moved_m = apply(placement, step, pivot, radius_m);
+        misfit->offset_px += limit(step[7], 1);
         if (!isfinite(misfit->moved_m) || !(placement->scale > 1e-9 && placement->scale < 1e9))
             s = sheen_fail(err, SHEEN_EDATA, "the mesh's outline leads away from the masks");
     }
@@ -325,7 +247,7 @@ sheen_status sheen_outline_fit(sheen_placement *placement, sheen_outline_misfit 
             found_px += all.list[i].length_px;
         misfit->found = all.length_px > 0 ? found_px / all.length_px : 0;
         compare_areas(misfit, views, all.length_px);
-        set_covariance(misfit, H, options->free);
+        s = sheen_outline_covariance(misfit->covariance, H, &all, options->free, err);
     }
     free(all.list);
     return s;

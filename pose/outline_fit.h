@@ -31,8 +31,9 @@ typedef struct sheen_outline_views {
     size_t n_views;
 } sheen_outline_views;
 
-// Unknowns: turn about the pivot (3, board axes), move (3), logarithm of the scale.
-enum { SHEEN_OUTLINE_UNKNOWNS = 7 };
+// Unknowns: turn about the pivot (3, board axes), move (3), logarithm of the scale, by how much all borders lie
+// outside of the object (pixels: masks that were cut too wide, or at another brightness).
+enum { SHEEN_OUTLINE_UNKNOWNS = 8, SHEEN_OUTLINE_SCALE = 6, SHEEN_OUTLINE_OFFSET = 7 };
 
 typedef struct sheen_outline_fit_options {
     bool free[SHEEN_OUTLINE_UNKNOWNS];
@@ -49,8 +50,10 @@ typedef struct sheen_outline_misfit {
     double border_px; // area by which cover and mask differ, divided by the length of the outline
     double overlap;   // of cover and mask: intersection over union, over all views
     double found;     // share of the outline, where the mask is known, from which a border was found
-    double covariance[SHEEN_OUTLINE_UNKNOWNS * SHEEN_OUTLINE_UNKNOWNS]; // zero rows for what was not free
-    double moved_m;                                                     // by the last step
+    double covariance[SHEEN_OUTLINE_UNKNOWNS *
+                      SHEEN_OUTLINE_UNKNOWNS]; // outline_residuals.h, sheen_outline_covariance
+    double offset_px; // of the borders from the outlines, outwards, where it was free
+    double moved_m;   // by the last step
 } sheen_outline_misfit;
 
 // Moves *placement to where it fits best near its start. centre_obj is the pivot in the mesh's frame (before scale).

@@ -38,8 +38,7 @@ static double apart(const float a[3], const float b[3])
     return sqrt(sum);
 }
 
-// The mean of the largest group of like colours; false where it is none or not more than half of all.
-static bool most_agree(float out[3], float (*rgb)[3], int n)
+bool sheen_colours_agree(float out[3], float (*rgb)[3], int n)
 {
     int best = -1, most = 0;
     for (int i = 0; i < n; i++) {
@@ -91,7 +90,7 @@ static void fill_rows(void *self, size_t begin, size_t end)
         }
         for (size_t x = 0; x < width; x++) {
             float *out = sheen_image_at(&j->out->rgb, (int)x, (int)y);
-            if (!most_agree(out, rgb[x], n[x]))
+            if (!sheen_colours_agree(out, rgb[x], n[x]))
                 out[0] = out[1] = out[2] = -1;
         }
     }
@@ -101,6 +100,54 @@ static void fill_rows(void *self, size_t begin, size_t end)
     free(p_cam);
     free(q_px);
     free(n);
+}
+
+// Level of a place of the plane in a picture; false: not in it.
+static bool look_up(float root[3], const sheen_camera *camera, const sheen_plane_view *v,
+                    const sheen_Rt *Rt_cam_board, const double p_board[3])
+{
+    double p_cam[3], q_px[2];
+    sheen_Rt_point(p_cam, Rt_cam_board, p_board);
+    if (!(p_cam[2] > 0) || sheen_camera_project(camera, q_px, NULL, p_cam, 1, NULL) ||
+        !(fabs(q_px[0]) < 1e6) || !(fabs(q_px[1]) < 1e6) ||
+        !sheen_image_bilinear(root, v->rgb, q_px[0], q_px[1]))
+        return false;
+    for (int c = 0; c < 3; c++)
+        root[c] = sqrtf(fmaxf(0, root[c]));
+    return true;
+}
+
+// Places of the board that the photographs leave unknown, from the picture without the object; its exposure by the places that both know.
+static sheen_status fill_from_empty(job *j, const sheen_board *board, const sheen_plane_view *empty,
+                                    sheen_err *err)
+{
+    const int w = j->out->rgb.width_px, h = j->out->rgb.height_px;
+    double *ratios = malloc(((size_t)w * (size_t)h + 1) * sizeof *ratios), gain = 1;
+    size_t n = 0;
+    sheen_Rt Rt_cam_board;
+    if (!ratios)
+        return sheen_fail_memory(err, 8.0 * w * h, "the board's picture");
+    sheen_Rt_from_rt(&Rt_cam_board, empty->rt_cam_board);
+    for (int fills = 0; fills < 2; fills++) {
+        for (int y = 0; y < h; y++)
+            for (int x = 0; x < w; x++) {
+                const double p[3] = {j->out->x0_m + x * j->out->pitch_m, j->out->y0_m + y * j->out->pitch_m,
+                                     0};
+                float *out = sheen_image_at(&j->out->rgb, x, y), root[3];
+                if (fabs(p[0]) > 0.5 * board->n_cols * board->square_m ||
+                    fabs(p[1]) > 0.5 * board->n_rows * board->square_m || (out[0] < 0) != (fills == 1) ||
+                    !look_up(root, j->camera, empty, &Rt_cam_board, p))
+                    continue;
+                for (int c = 0; c < 3 && fills; c++)
+                    out[c] = root[c] * (float)gain;
+                if (!fills && root[1] > 0.2f)
+                    ratios[n++] = (double)(out[1] / root[1]);
+            }
+        qsort(ratios, n, sizeof *ratios, sheen_ascending);
+        gain = n ? ratios[n / 2] : 1;
+    }
+    free(ratios);
+    return SHEEN_OK;
 }
 
 // Pixels a metre at the board's origin, the median of the views.
@@ -242,6 +289,9 @@ sheen_status sheen_plane_picture_make(sheen_plane_picture *out, const sheen_came
         sheen_parallel_for((size_t)out->rgb.height_px, 4, n_threads, fill_rows, &j);
     if (!s)
         s = j.failed ? sheen_fail_memory(err, 1e6, "the board's picture") : check_print(out, board, err);
+    for (size_t v = 0; v < n_views && !s; v++)
+        if (views[v].empty && (!v || views[v].empty != views[v - 1].empty))
+            s = fill_from_empty(&j, board, views[v].empty, err);
     if (s)
         sheen_plane_picture_release(out);
     return s;

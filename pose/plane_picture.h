@@ -6,6 +6,8 @@
 #ifndef SHEEN_POSE_PLANE_PICTURE_H
 #define SHEEN_POSE_PLANE_PICTURE_H
 
+#include <stdbool.h>
+
 #include "base/board.h"
 #include "base/camera.h"
 #include "base/image.h"
@@ -29,8 +31,11 @@ typedef struct sheen_plane_picture {
     double x0_m, y0_m, pitch_m;
 } sheen_plane_picture;
 
+// The mean of the largest group of like colours (square roots of light); false where it is of fewer than three or not of more than half of all.
+bool sheen_colours_agree(float out[3], float (*rgb)[3], int n);
+
 // The board and as much again about it. A place is known where three photographs and more than half of those that look
-// at it agree, and where the board's black and white squares are what they must be. board: the one that lies in z = 0. EDATA: fewer than
+// at it agree, else (such as below the object) on the board as a view's picture without the object shows it; and where the board's black and white squares are what they must be. board: the one that lies in z = 0. EDATA: fewer than
 // three views, or they do not show the board. ENOMEM.
 sheen_status sheen_plane_picture_make(sheen_plane_picture *out, const sheen_camera *camera,
                                       const sheen_board *board, const sheen_plane_view *views, size_t n_views,

@@ -15,7 +15,7 @@
 enum {
     N_YAWS = 24,
     SEARCH_VIEWS = 6,
-    FULL_VIEWS = 16,
+    FULL_VIEWS = 24,
     CRUDE_CELLS = 12,
     COARSE_CELLS = 24,
     FINE_CELLS = 64,
@@ -36,7 +36,8 @@ static const double POOR_FOUND = 0.7;
 static const double RULED_OUT = 4;         // times the best one's misfit in small pictures: never the place
 static const double SMALL_BORDER_PX = 0.3; // a misfit that small pictures alone may make
 static const double MAX_SIGMA_RAD = 0.3 * 3.14159265358979323846 / 180;
-static const double KNOWN_UNIT = 0.03; // the scale is a unit's when it is this near to it
+static const double MAX_SIGMA_SHARE = 0.02; // of the object's radius, for its worst point
+static const double KNOWN_UNIT = 0.03;      // the scale is a unit's when it is this near to it
 
 static const struct {
     double unit_m;
@@ -311,7 +312,7 @@ static void release(search *s)
 static sheen_status finish_all(search *s, size_t *n, sheen_register_pictures *full, bool with_scale,
                                bool edges, sheen_err *err)
 {
-    sheen_outline_fit_options o = {.free = {true, true, true, true, true, true, with_scale},
+    sheen_outline_fit_options o = {.free = {true, true, true, true, true, true, with_scale, true},
                                    .reach_px = fmax(6, 4 * full->factor / fmax(s->small.factor, 1e-9)),
                                    .spacing_px = 2,
                                    .max_steps = 15};
@@ -363,6 +364,13 @@ static void judge(sheen_registration *out, const search *s, const candidate *bes
         snprintf(out->reason, sizeof out->reason,
                  "ambiguous: the outlines determine its turn to %.1f degrees only: give correspondences",
                  out->sigma_rad * 180 / PI);
+    } else if (!(out->sigma_m < MAX_SIGMA_SHARE * best->placement.scale * s->radius_obj)) {
+        out->state = SHEEN_REGISTER_AMBIGUOUS;
+        snprintf(out->reason, sizeof out->reason,
+                 "ambiguous: the outlines determine its place to %.1f mm only: give correspondences, or "
+                 "frames from "
+                 "other sides",
+                 1e3 * out->sigma_m);
     }
 }
 
@@ -416,6 +424,34 @@ static sheen_status settle_scale(search *s, size_t *n, sheen_registration *out, 
     return finish_all(s, n, full, false, o->edges, err);
 }
 
+// Of the vertex that is known worst: the root of its mean squared distance from where it is.
+static double sigma_of_vertices(const search *s, const candidate *c)
+{
+    enum { N = SHEEN_OUTLINE_UNKNOWNS };
+    const double *C = c->misfit.covariance;
+    double worst = 0;
+    for (size_t i = 0; i < s->full.n_vertices; i++) {
+        double p[3], variance = 0;
+        for (size_t k = 0; k < 3; k++)
+            p[k] = c->placement.scale * ((double)s->full.p_obj[3 * i + k] - s->centre_obj[k]);
+        sheen_Rt_direction(p, &c->placement.Rt_board_obj, p);
+        for (int k = 0; k < 3; k++) {
+            // how the point's k follows turn, move and scale
+            double J[N] = {0}, sum = 0;
+            J[(k + 1) % 3] = p[(k + 2) % 3];
+            J[(k + 2) % 3] = -p[(k + 1) % 3];
+            J[3 + k] = 1;
+            J[SHEEN_OUTLINE_SCALE] = p[k];
+            for (int u = 0; u < N; u++)
+                for (int v = 0; v < N; v++)
+                    sum += J[u] != 0 && J[v] != 0 ? J[u] * C[N * u + v] * J[v] : 0;
+            variance += sum;
+        }
+        worst = fmax(worst, variance);
+    }
+    return sqrt(worst);
+}
+
 static sheen_status report(sheen_registration *out, search *s, size_t n, const sheen_register_pictures *full,
                            sheen_err *err)
 {
@@ -428,12 +464,11 @@ static sheen_status report(sheen_registration *out, search *s, size_t n, const s
     out->up = best->up;
     out->n_views = full->n_views;
     out->second_border_px = (double)NAN;
-    for (size_t k = 0; k < 3; k++) {
+    for (size_t k = 0; k < 3; k++)
         out->sigma_rad = fmax(out->sigma_rad,
                               sqrt(best->misfit.covariance[(SHEEN_OUTLINE_UNKNOWNS + 1) * k]));
-        out->sigma_m = fmax(out->sigma_m,
-                            sqrt(best->misfit.covariance[(SHEEN_OUTLINE_UNKNOWNS + 1) * (3 + k)]));
-    }
+    out->sigma_m = sigma_of_vertices(s, best);
+    out->misfit.offset_px /= full->factor;
     out->misfit.border_px /= full->factor;
     out->misfit.rms_px /= full->factor;
     out->height_m = lowest_m(s, &best->placement);

@@ -61,8 +61,9 @@ typedef struct sheen_registration {
     unsigned up;                 // the side that points up
     double unit_m;               // the unit that the scale stands for; 0: none that is in use
     sheen_outline_misfit misfit; // in full pictures
-    double sigma_rad, sigma_m;   // one standard deviation, largest axis; of the object's centre
-    double second_border_px;     // misfit of the next best, different, place; NaN: there is none
+    double sigma_rad,
+        sigma_m; // one standard deviation: largest axis; distance of the vertex that is known worst
+    double second_border_px; // misfit of the next best, different, place; NaN: there is none
     double second_angle_rad, second_distance_m; // how far that is
     double height_m;                            // of the object's lowest point above the board
     size_t n_views;

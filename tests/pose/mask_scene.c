@@ -133,6 +133,89 @@ void mask_scene_figure(sheen_mesh *mesh)
     set_down(mesh);
 }
 
+void mask_scene_block(sheen_mesh *mesh)
+{
+    test_sphere(mesh, 40, (const float[3]){0, 0, 0}, 1);
+    for (size_t i = 0; i < mesh->n_vertices; i++) {
+        static const double half_m[3] = {0.05, 0.03, 0.04};
+        float *p = mesh->p_obj + 3 * i;
+        const double corner = exp(
+            -6 * (pow((double)p[0] - 0.6, 2) + pow((double)p[1] - 0.6, 2) + pow((double)p[2] - 0.5, 2)));
+        for (int c = 0; c < 3; c++)
+            p[c] = (float)(half_m[c] * copysign(pow(fabs((double)p[c]), 0.35), (double)p[c]) *
+                           (1 + 0.35 * corner));
+    }
+    set_down(mesh);
+}
+
+static void widen(sheen_image *mask)
+{
+    sheen_image narrow = *mask;
+    const int w = mask->width_px, h = mask->height_px;
+    narrow.data = malloc((size_t)(w * h) * sizeof *narrow.data);
+    assert_non_null(narrow.data);
+    memcpy(narrow.data, mask->data, (size_t)(w * h) * sizeof *narrow.data);
+    for (int y = 1; y < h - 1; y++)
+        for (int x = 1; x < w - 1; x++)
+            for (int k = -1; k <= 1; k += 2) {
+                float *m = sheen_image_at(mask, x, y);
+                *m = fmaxf(*m, fmaxf(*sheen_image_at(&narrow, x + k, y), *sheen_image_at(&narrow, x, y + k)));
+            }
+    free(narrow.data);
+}
+
+// A disc about a place on the border that is drawn at random becomes empty.
+static void bite(sheen_image *mask, uint64_t *seed)
+{
+    const int w = mask->width_px, h = mask->height_px;
+    int at[2] = {0, 0}, n = 0;
+    double area = 0;
+    for (int y = 0; y < h; y++)
+        for (int x = 1; x < w; x++) {
+            const float m = *sheen_image_at(mask, x, y), before = *sheen_image_at(mask, x - 1, y);
+            area += (double)m;
+            if ((m >= 0.5f) != (before >= 0.5f) && test_random(seed) * ++n < 1) {
+                at[0] = x;
+                at[1] = y;
+            }
+        }
+    const double radius_px = 0.1 * sqrt(area);
+    for (int y = 0; y < h; y++)
+        for (int x = 0; x < w; x++)
+            if (hypot(x - at[0], y - at[1]) < radius_px)
+                *sheen_image_at(mask, x, y) = 0;
+}
+
+// A disc of 25 mm radius on the ground, 30 mm from the origin.
+static void shadow(sheen_image *mask, const sheen_camera *camera, const double rt_cam_board[6],
+                   const double xy_m[2])
+{
+    enum { RINGS = 60, TURNS = 240 };
+    for (int i = 1; i <= RINGS; i++)
+        for (int j = 0; j < TURNS; j++) {
+            const double r = 0.025 * i / RINGS, a = 360 * DEG * j / TURNS;
+            double q[2];
+            test_board_project(q, camera, rt_cam_board,
+                               (const double[3]){xy_m[0] + r * cos(a), xy_m[1] + r * sin(a), 0});
+            const int x = (int)lrint(q[0]), y = (int)lrint(q[1]);
+            if (x >= 0 && y >= 0 && x < mask->width_px && y < mask->height_px)
+                *sheen_image_at(mask, x, y) = 1;
+        }
+}
+
+void mask_scene_spoil(mask_scene *scene, mask_scene_fault fault, uint64_t *seed)
+{
+    const double a = 360 * DEG * test_random(seed), xy_m[2] = {0.03 * cos(a), 0.03 * sin(a)};
+    for (size_t v = 0; v < scene->n_views; v++) {
+        if (fault == MASK_SCENE_WIDER)
+            widen(&scene->masks[v]);
+        else if (fault == MASK_SCENE_BITTEN)
+            bite(&scene->masks[v], seed);
+        else
+            shadow(&scene->masks[v], &scene->camera, scene->views[v].rt_cam_board, xy_m);
+    }
+}
+
 void mask_scene_bottle(sheen_mesh *mesh)
 {
     test_sphere(mesh, 24, (const float[3]){0, 0, 0}, 1);
@@ -144,6 +227,18 @@ void mask_scene_bottle(sheen_mesh *mesh)
         p[2] = (float)(0.06 * z);
     }
     set_down(mesh);
+}
+
+bool mask_scene_print(float rgb[3], const sheen_board *b, double x_m, double y_m)
+{
+    const double u = x_m / b->square_m + 0.5 * b->n_cols, v = 0.5 * b->n_rows - y_m / b->square_m;
+    static const float white[3] = {0.72f, 0.70f, 0.66f}, black[3] = {0.035f, 0.035f, 0.04f};
+    if (!(u > 0 && v > 0 && u < b->n_cols && v < b->n_rows))
+        return false;
+    const double from_middle_m = b->square_m * fmax(fabs(u - floor(u) - 0.5), fabs(v - floor(v) - 0.5));
+    const bool is_white = ((int)u + (int)v) % 2 == 1 && from_middle_m > 0.5 * b->tag_side_m;
+    memcpy(rgb, is_white || hypot(x_m, y_m) < b->blank_radius_m ? white : black, 3 * sizeof *rgb);
+    return true;
 }
 
 void mask_scene_move(sheen_mesh *out, const sheen_mesh *mesh, const double rt_board_obj[6], double unit_m)
@@ -177,15 +272,16 @@ void mask_scene_error(double *distance_m, double *angle_rad, const sheen_placeme
     sheen_Rt_invert(&back, &true_Rt);
     sheen_pose_difference(wd, &placement->Rt_board_obj, &true_Rt);
     *angle_rad = sheen_norm(wd);
-    float low[3], high[3]; // the object's centre is what is placed
-    sheen_mesh_bounds(mesh, low, high);
-    double centre[3], p[3], d[3];
-    for (int c = 0; c < 3; c++)
-        centre[c] = 0.5 * ((double)low[c] + (double)high[c]);
-    sheen_Rt_point(p, &back, centre);
-    for (int c = 0; c < 3; c++)
-        p[c] *= placement->scale / unit_m;
-    sheen_Rt_point(p, &placement->Rt_board_obj, p);
-    sheen_sub(d, p, centre);
-    *distance_m = sheen_norm(d);
+    *distance_m = 0;
+    for (size_t i = 0; i < mesh->n_vertices; i++) {
+        double p[3], q[3], d[3];
+        for (size_t c = 0; c < 3; c++)
+            p[c] = (double)mesh->p_obj[3 * i + c];
+        sheen_Rt_point(q, &back, p);
+        for (int c = 0; c < 3; c++)
+            q[c] *= placement->scale / unit_m;
+        sheen_Rt_point(q, &placement->Rt_board_obj, q);
+        sheen_sub(d, q, p);
+        *distance_m = fmax(*distance_m, sheen_norm(d));
+    }
 }

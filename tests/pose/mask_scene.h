@@ -3,6 +3,9 @@
 #ifndef SHEEN_TESTS_MASK_SCENE_H
 #define SHEEN_TESTS_MASK_SCENE_H
 
+#include <stdbool.h>
+
+#include "base/board.h"
 #include "base/camera.h"
 #include "base/image.h"
 #include "base/mesh.h"
@@ -35,6 +38,17 @@ void mask_scene_release(mask_scene *scene);
 // its axis.
 void mask_scene_figure(sheen_mesh *mesh);
 void mask_scene_bottle(sheen_mesh *mesh);
+
+// A thick-walled block with rounded edges, one corner drawn out; as large.
+void mask_scene_block(sheen_mesh *mesh);
+
+// What goes wrong with masks that are cut out of pictures: wider by a pixel all around; a round piece of the border
+// missing, elsewhere in each; a shadow on the ground beside the object taken for a part of it.
+typedef enum mask_scene_fault { MASK_SCENE_WIDER, MASK_SCENE_BITTEN, MASK_SCENE_SHADOW } mask_scene_fault;
+void mask_scene_spoil(mask_scene *scene, mask_scene_fault fault, uint64_t *seed);
+
+// Reflectance of the print at a place of the board, with black squares for tags; false: beyond it.
+bool mask_scene_print(float rgb[3], const sheen_board *board, double x_m, double y_m);
 
 // The mesh in another frame and unit: p' = R^T (p - t) / unit_m, with the pose given.
 void mask_scene_move(sheen_mesh *out, const sheen_mesh *mesh, const double rt_board_obj[6], double unit_m);

@@ -35,16 +35,11 @@ static float light_at(double x_m, double y_m)
 // light's frame in the board's.
 static void paint_plane(float rgb[3], const sheen_board *b, double turn_rad, double x_m, double y_m)
 {
-    const double u = x_m / b->square_m + 0.5 * b->n_cols, v = 0.5 * b->n_rows - y_m / b->square_m;
-    static const float white[3] = {0.72f, 0.70f, 0.66f}, black[3] = {0.035f, 0.035f, 0.04f};
-    if (!(u > 0 && v > 0 && u < b->n_cols && v < b->n_rows)) {
+    if (!mask_scene_print(rgb, b, x_m, y_m)) {
         const float wood = (float)(0.2 + 0.05 * sin(300 * x_m) * sin(60 * y_m));
         memcpy(rgb, (const float[3]){1.3f * wood, wood, 0.7f * wood}, 3 * sizeof *rgb);
         return;
     }
-    const double from_middle_m = b->square_m * fmax(fabs(u - floor(u) - 0.5), fabs(v - floor(v) - 0.5));
-    const int is_white = ((int)u + (int)v) % 2 == 1 && from_middle_m > 0.5 * b->tag_side_m;
-    memcpy(rgb, is_white || hypot(x_m, y_m) < b->blank_radius_m ? white : black, 3 * sizeof *rgb);
     const float light = light_at(cos(turn_rad) * x_m + sin(turn_rad) * y_m,
                                  cos(turn_rad) * y_m - sin(turn_rad) * x_m);
     for (int c = 0; c < 3; c++)

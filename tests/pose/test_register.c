@@ -147,6 +147,64 @@ static void follows_image_edges_where_masks_are_rough(void **state)
     sheen_mesh_release(&mesh);
 }
 
+// The worst vertex' error against what is said of it: masks that wander, and masks that are a pixel too wide.
+static void is_as_good_as_it_says(void **state)
+{
+    (void)state;
+    enum { SCENES = 4 };
+    sheen_err err;
+    sheen_mesh mesh;
+    const double rt[6] = {0};
+    const sheen_register_options o = {.unit_m = 1};
+    mask_scene_block(&mesh);
+    for (int wide = 0; wide < 2; wide++) {
+        double error2 = 0, said2 = 0, rad;
+        int n_unsure = 0;
+        for (uint64_t seed = 1; seed <= SCENES; seed++) {
+            mask_scene scene;
+            sheen_registration r;
+            uint64_t spoil_seed = seed;
+            double m;
+            mask_scene_make(&scene, &mesh,
+                            &(mask_scene_options){.width_px = 400,
+                                                  .height_px = 300,
+                                                  .n_views = 6,
+                                                  .distance_m = 0.42,
+                                                  .pose_noise = 1,
+                                                  .mask_noise_px = wide ? 0.3 : 0.6,
+                                                  .seed = seed});
+            if (wide)
+                mask_scene_spoil(&scene, MASK_SCENE_WIDER, &spoil_seed);
+            sheen_placement start = {.scale = 1};
+            sheen_Rt_from_rt(&start.Rt_board_obj, (const double[6]){0, 0, 0.01, 0.0005, 0.0005, 0});
+            assert_ok(
+                sheen_register_refine(&r, &mesh, &scene.camera, scene.views, scene.n_views, &start, &o, &err),
+                err);
+            mask_scene_error(&m, &rad, &r.placement, rt, 1, &mesh);
+            if (wide) { // one frame hardly tells how far away it is
+                sheen_registration alone;
+                assert_ok(
+                    sheen_register_refine(&alone, &mesh, &scene.camera, scene.views, 1, &start, &o, &err),
+                    err);
+                n_unsure += alone.state == SHEEN_REGISTER_AMBIGUOUS &&
+                            strstr(alone.reason, " only: ") != NULL;
+                assert_true(alone.sigma_m > 3 * r.sigma_m);
+                assert_int_equal(r.state, SHEEN_REGISTER_SURE);
+            }
+            error2 += m * m;
+            said2 += r.sigma_m * r.sigma_m;
+            assert_close(r.misfit.offset_px, wide ? 1.1 : 0, 0.25);
+            mask_scene_release(&scene);
+        }
+        assert_true(!wide || n_unsure > SCENES / 2);
+        print_message("%s masks: %.3f mm rms, said %.3f\n", wide ? "wide" : "wandering",
+                      1e3 * sqrt(error2 / SCENES), 1e3 * sqrt(said2 / SCENES));
+        assert_true(error2 / said2 > 0.5 * 0.5 && error2 / said2 < 1.7 * 1.7);
+        assert_true(error2 / SCENES < 0.6e-3 * 0.6e-3);
+    }
+    sheen_mesh_release(&mesh);
+}
+
 enum { MARKS = 14 };
 
 // Marks of 7 points in two frames each.
@@ -246,6 +304,7 @@ int main(void)
         cmocka_unit_test(says_that_a_bottle_turns_alike),
         cmocka_unit_test(refuses_what_does_not_fit),
         cmocka_unit_test(follows_image_edges_where_masks_are_rough),
+        cmocka_unit_test(is_as_good_as_it_says),
         cmocka_unit_test(marks_place_it),
         cmocka_unit_test(reads_marks),
     };
