@@ -4,6 +4,7 @@
 #include "render/draw.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,10 +13,10 @@
 #include "base/pose3.h"
 #include "render/draw_private.h"
 #include "render/draw_tile.h"
-#include "render/gbuffer.h"
+#include "render/first_hits.h"
 #include "render/shade.h"
 
-enum { DEFAULT_SAMPLES_PER_SIDE = 2, TILE_SAMPLES_PER_SIDE = 16 };
+enum { DEFAULT_SAMPLES_PER_SIDE = 2, TILE_SAMPLES_PER_SIDE = 16, BAND_TILES = 2 };
 
 void sheen_layers_release(sheen_layers *l)
 {
@@ -63,13 +64,13 @@ void sheen_drawing_free(sheen_drawing **d)
 }
 
 typedef struct job {
-    const sheen_drawing *drawing;
-    const sheen_gbuffer *g;
+    const sheen_first_hits *first_hits;
     const sheen_draw_options *options;
     sheen_layers *out;
     sheen_shading shading;
     int width_px; // of the picture
     int tile_px;  // pixels a side that are worked on together
+    atomic_int failed;
 } job;
 
 // Sums over a pixel's samples.
@@ -95,7 +96,8 @@ static void add_sample(sums *s, const sheen_tile *tile, int i, const sheen_draw_
 static void put_pixels(const job *j, int x, int y, const sums *s, int n)
 {
     const sheen_layers *out = j->out;
-    const float share = 1.0f / (float)(j->g->samples_per_side * j->g->samples_per_side);
+    const int n_side = j->first_hits->window.samples_per_side;
+    const float share = 1.0f / (float)(n_side * n_side);
     const float *background = j->options->background_rgb;
     float *diffuse = out->diffuse.data ? sheen_image_at(&out->diffuse, x, y) : NULL;
     float *specular = out->specular.data ? sheen_image_at(&out->specular, x, y) : NULL;
@@ -141,10 +143,9 @@ static void clear(const job *j, int y, int begin, int end)
             fill(layers[i], y, begin, end, layers[i] == &j->out->composite ? background : black);
 }
 
-// Pixels [x0, x0 + side) x [y0, y0 + side) of the window, cut to it.
-static void draw_tile(const job *j, int x0, int y0)
+// Pixels [x0, x0 + side) x [y0, y0 + side) of a band, cut to it.
+static void draw_tile(const job *j, const sheen_gbuffer *g, int x0, int y0)
 {
-    const sheen_gbuffer *g = j->g;
     const int n = g->samples_per_side, side = j->tile_px;
     const int width = g->width_px - x0 < side ? g->width_px - x0 : side;
     const int height = g->height_px - y0 < side ? g->height_px - y0 : side;
@@ -167,19 +168,32 @@ static void draw_tile(const job *j, int x0, int y0)
         put_pixels(j, g->x0_px + x0, g->y0_px + y0 + y, pixels + y * side, width);
 }
 
+// Bands of the picture, tile after tile while the hits are in the cache.
 static void draw_bands(void *self, size_t begin, size_t end)
 {
-    const job *j = self;
-    for (size_t band = begin; band < end; band++)
-        for (int x = 0; x < j->g->width_px; x += j->tile_px)
-            draw_tile(j, x, (int)band * j->tile_px);
+    job *j = self;
+    const sheen_gbuffer *w = &j->first_hits->window;
+    const size_t n = (size_t)w->samples_per_side;
+    sheen_hit *hits = malloc((size_t)w->width_px * (size_t)j->first_hits->band_px * n * n * sizeof *hits);
+    for (size_t i = begin; i < end; i++) {
+        sheen_gbuffer band = sheen_first_hits_band(j->first_hits, i);
+        band.hits = hits;
+        if (!hits || sheen_first_hits_find(j->first_hits, hits, i, NULL)) {
+            atomic_store(&j->failed, 1);
+            break;
+        }
+        for (int y = 0; y < band.height_px; y += j->tile_px)
+            for (int x = 0; x < band.width_px; x += j->tile_px)
+                draw_tile(j, &band, x, y);
+    }
+    free(hits);
 }
 
 // What lies outside the window.
 static void clear_rows(void *self, size_t begin, size_t end)
 {
     const job *j = self;
-    const sheen_gbuffer *g = j->g;
+    const sheen_gbuffer *g = &j->first_hits->window;
     for (int y = (int)begin; y < (int)end; y++) {
         const bool in_window = y >= g->y0_px && y < g->y0_px + g->height_px;
         const int width = j->width_px;
@@ -225,21 +239,30 @@ sheen_status sheen_redraw(sheen_layers *layers, const sheen_drawing *d, const sh
     for (int i = 0; i < 6; i++)
         if (!isfinite(rt_world_obj[i]))
             return sheen_fail(err, SHEEN_EARG, "the object's pose under the lights is not finite");
-    sheen_gbuffer g;
-    sheen_status s = sheen_gbuffer_make(&g, d->scene, &d->model->mesh, cam, rt_cam_obj, samples, o->n_threads,
-                                        err);
+    const int tile_px = samples < TILE_SAMPLES_PER_SIDE ? TILE_SAMPLES_PER_SIDE / samples : 1;
+    const sheen_first_hits_view view = {.scene = d->scene,
+                                        .mesh = &d->model->mesh,
+                                        .cam = cam,
+                                        .rt_cam_obj = rt_cam_obj,
+                                        .samples_per_side = samples,
+                                        .n_threads = o->n_threads};
+    sheen_first_hits f;
+    sheen_status s = sheen_first_hits_init(&f, &view, BAND_TILES * tile_px, err);
     if (s)
         return s;
     s = make_layers(layers, cam, o->layers ? o->layers : SHEEN_LAYERS_ALL, err);
     if (!s) {
-        job j = {.drawing = d, .g = &g, .options = o, .out = layers, .width_px = cam->width_px};
-        j.tile_px = samples < TILE_SAMPLES_PER_SIDE ? TILE_SAMPLES_PER_SIDE / samples : 1;
+        job j = {
+            .first_hits = &f, .options = o, .out = layers, .width_px = cam->width_px, .tile_px = tile_px};
+        atomic_init(&j.failed, 0);
         sheen_shading_init(&j.shading, d->model, d->scene, d->cells, &d->lamps, rt_world_obj);
         sheen_parallel_for((size_t)cam->height_px, 16, o->n_threads, clear_rows, &j);
-        const size_t n_bands = (size_t)((g.height_px + j.tile_px - 1) / j.tile_px);
-        sheen_parallel_for(n_bands, 1, o->n_threads, draw_bands, &j);
+        sheen_parallel_for(f.n_bands, 1, o->n_threads, draw_bands, &j);
+        if (atomic_load(&j.failed))
+            s = sheen_fail_memory(err, 16.0 * (double)f.window.width_px * f.band_px * samples * samples,
+                                  "a band of the picture");
     }
-    sheen_gbuffer_release(&g);
+    sheen_first_hits_release(&f);
     return s;
 }
 

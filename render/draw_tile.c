@@ -51,12 +51,13 @@ void sheen_tile_gather(sheen_tile *tile, const sheen_gbuffer *g, int x0, int y0,
     tile->count = count;
 }
 
-// Where the object turned, its texture is an albedo.
+// Where the object turned, its texture is an albedo; so is what holes were filled with.
 static void light_diffuse(sheen_tile *tile, const sheen_shading *s, const double p_camera_obj[3])
 {
     for (int i = 0; i < tile->count; i++) {
         float p_obj[3], n_obj[3], e[3];
-        if (tile->hole[i])
+        const float *albedo = tile->diffuse[i];
+        if (!(albedo[0] + albedo[1] + albedo[2] > 0))
             continue;
         sheen_normal_map_surface(&s->model->mesh, &s->model->normals, &tile->hits[i], p_camera_obj, p_obj,
                                  n_obj, NULL);

@@ -10,6 +10,8 @@
 #include "base/cpu_level.h"
 #include "render/lobe_math.h"
 
+enum { LANES = 16 };
+
 float sheen_lobe_alpha2(const float n[3], const float v[3], const float l[3])
 {
     if (!(sheen_dotf(n, l) > 0) || !(sheen_dotf(n, v) > 0))
@@ -20,22 +22,44 @@ float sheen_lobe_alpha2(const float n[3], const float v[3], const float l[3])
     return sheen_alpha2_of(0.5f * sheen_dotf(e, e), 0);
 }
 
+// The body over whole vectors, and the lights that are left in one that is filled up with lights of no weight: what the compiler
+// makes of an unfilled vector takes as long as several.
+SHEEN_KERNEL_INLINE float sum_vectors(const sheen_lights *lights, const float n[3], const float v[3],
+                                      float sigma_rad, int fused)
+{
+    sheen_lights whole = *lights;
+    whole.count = lights->count / LANES * LANES;
+    float sum = sheen_lobe_sum_body(&whole, n, v, sigma_rad, fused);
+    if (whole.count == lights->count)
+        return sum;
+    float dx[LANES], dy[LANES], dz[LANES], weight[LANES];
+    for (size_t i = 0; i < LANES; i++) {
+        const size_t light = whole.count + i, k = light < lights->count ? light : whole.count;
+        dx[i] = lights->dx[k];
+        dy[i] = lights->dy[k];
+        dz[i] = lights->dz[k];
+        weight[i] = light < lights->count ? lights->weight[k] : 0;
+    }
+    const sheen_lights last = {dx, dy, dz, weight, LANES};
+    return sum + sheen_lobe_sum_body(&last, n, v, sigma_rad, fused);
+}
+
 static float sum_baseline(const sheen_lights *lights, const float n[3], const float v[3], float sigma_rad)
 {
-    return sheen_lobe_sum_body(lights, n, v, sigma_rad, 0);
+    return sum_vectors(lights, n, v, sigma_rad, 0);
 }
 
 #if defined(__x86_64__)
 SHEEN_TARGET_AVX2 static float sum_avx2(const sheen_lights *lights, const float n[3], const float v[3],
                                         float sigma_rad)
 {
-    return sheen_lobe_sum_body(lights, n, v, sigma_rad, 1);
+    return sum_vectors(lights, n, v, sigma_rad, 1);
 }
 
 SHEEN_TARGET_AVX512 static float sum_avx512(const sheen_lights *lights, const float n[3], const float v[3],
                                             float sigma_rad)
 {
-    return sheen_lobe_sum_body(lights, n, v, sigma_rad, 1);
+    return sum_vectors(lights, n, v, sigma_rad, 1);
 }
 #endif
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // lobe_block.c - the lobe's sum over many neighbouring samples.
 //
-// A narrow lobe reaches few lights. Sixteen samples whose mirror directions lie together share one list of
+// A narrow lobe reaches few lights. Up to 64 samples whose mirror directions lie together share one list of
 // them, and a vector holds one light's terms at all of them.
 //
 // A wide lobe reaches hundreds of lights, but is then smooth over many pixels. For a group of samples about their mean normal n0 and view direction v0,
@@ -26,13 +26,20 @@
 #include "render/lobe_math.h"
 
 // Below so many samples, or so many lights, summing each is cheaper than expanding.
-enum { LEAST_SAMPLES = 6, LEAST_LIGHTS = 48, MAX_HORIZON = 256, LANES = 16, MAX_REACHED = 2048 };
+enum {
+    LEAST_SAMPLES = 6,
+    LEAST_LIGHTS = 96,
+    MAX_HORIZON = 256,
+    LANES = 16,
+    MAX_REACHED = 2048,
+    NARROW_GROUP = 4 * LANES
+};
 #define SPREAD_SIGMA 1.0f
 #define RELATIVE_TOLERANCE 1e-3f
 #define LOG2_E 1.442695041f
 // Lists of a drawing's cells reach further by as many sigma: by the second up to so many radians in all.
 #define LEAST_MARGIN_SIGMA 3.0f
-#define MOST_MARGIN_SIGMA 6.0f
+#define MOST_MARGIN_SIGMA 9.0f
 #define MOST_MARGIN_RAD 0.3f
 
 // The samples [begin, end) of a block, and the expansion about their mean.
@@ -108,23 +115,26 @@ SHEEN_KERNEL_INLINE group group_of(const sheen_lobe_block *b, int begin, int end
     return g;
 }
 
-// The samples that lie farthest along and against both tangents; these are square to n0.
+// The samples that lie farthest along and against both tangents; these are square to n0. A key has a distance of at most 2 to
+// 5e-7, and below it, in its last eight bits, whose it is: the greatest key is found without a branch.
 SHEEN_KERNEL_INLINE void find_extremes(group *g, const sheen_lobe_block *b)
 {
-    float d1[SHEEN_LOBE_BLOCK] = {0}, d2[SHEEN_LOBE_BLOCK] = {0}, most[4] = {-1, -1, -1, -1};
-#pragma omp simd
+    const float steps = 1 << 21;
+    const float ax = steps * g->across1[0], ay = steps * g->across1[1], az = steps * g->across1[2];
+    const float cx = steps * g->across2[0], cy = steps * g->across2[1], cz = steps * g->across2[2];
+    int32_t along1 = INT32_MIN, against1 = INT32_MIN, along2 = INT32_MIN, against2 = INT32_MIN;
+#pragma omp simd reduction(max : along1, against1, along2, against2)
     for (int i = g->begin; i < g->end; i++) {
-        d1[i] = b->nx[i] * g->across1[0] + b->ny[i] * g->across1[1] + b->nz[i] * g->across1[2];
-        d2[i] = b->nx[i] * g->across2[0] + b->ny[i] * g->across2[1] + b->nz[i] * g->across2[2];
+        const int32_t d1 = (int32_t)(b->nx[i] * ax + b->ny[i] * ay + b->nz[i] * az) * SHEEN_LOBE_BLOCK;
+        const int32_t d2 = (int32_t)(b->nx[i] * cx + b->ny[i] * cy + b->nz[i] * cz) * SHEEN_LOBE_BLOCK;
+        along1 = d1 + i > along1 ? d1 + i : along1;
+        against1 = i - d1 > against1 ? i - d1 : against1;
+        along2 = d2 + i > along2 ? d2 + i : along2;
+        against2 = i - d2 > against2 ? i - d2 : against2;
     }
-    for (int i = g->begin; i < g->end; i++) {
-        const float along[4] = {d1[i], -d1[i], d2[i], -d2[i]};
-        for (int k = 0; k < 4; k++)
-            if (along[k] > most[k]) {
-                most[k] = along[k];
-                g->extreme[k] = i;
-            }
-    }
+    const int32_t keys[4] = {along1, against1, along2, against2};
+    for (int k = 0; k < 4; k++)
+        g->extreme[k] = keys[k] & (SHEEN_LOBE_BLOCK - 1);
 }
 
 // The lights of a list that can count at some sample of a group.
@@ -168,8 +178,8 @@ SHEEN_KERNEL_INLINE void find_reached(reached *out, const sheen_lights *list, co
 
 // Copies of them, for loops over lights.
 typedef struct near_lights {
-    float dx[MAX_REACHED + LANES], dy[MAX_REACHED + LANES], dz[MAX_REACHED + LANES],
-        weight[MAX_REACHED + LANES];
+    _Alignas(64) float dx[MAX_REACHED + LANES];
+    float dy[MAX_REACHED + LANES], dz[MAX_REACHED + LANES], weight[MAX_REACHED + LANES];
     sheen_lights lights; // the arrays above, or the list itself where it is longer
 } near_lights;
 
@@ -258,7 +268,8 @@ SHEEN_KERNEL_INLINE sums expand(const group *g, const sheen_lights *lights, floa
     return (sums){s, g1, g2, sx, sy, sz, h11, h12, h22, horizon};
 }
 
-// S at every sample of the group by the expansion.
+// S at every sample of the group by the expansion. A term depends on how n stands to its light's bisector h, and where the view
+// turns by dv, the h of lights near the mirror direction turn by dv / (2 n0.v0): to the second order that counts as n turned back.
 SHEEN_KERNEL_INLINE void extrapolate(sheen_lobe_block *b, const group *g, const sums *at, int fused)
 {
     const float over = 1 / at->s;
@@ -267,14 +278,19 @@ SHEEN_KERNEL_INLINE void extrapolate(sheen_lobe_block *b, const group *g, const 
     const float h11 = 0.5f * (at->h11 * over - g1 * g1), h12 = at->h12 * over - g1 * g2,
                 h22 = 0.5f * (at->h22 * over - g2 * g2);
     const float most = 16; // a sum that grows by more within a group fails the check
+    const float cos_r = sheen_dotf(g->n0, g->v0),
+                back = 0.5f / (cos_r > SHEEN_LOBE_MIN_COS ? cos_r : SHEEN_LOBE_MIN_COS);
+    const float *a = g->across1, *c = g->across2;
     const float scale = at->s * (float)(1 << 16);
 #pragma omp simd
     for (int i = g->begin; i < g->end; i++) {
         const float dx = b->nx[i] - g->n0[0], dy = b->ny[i] - g->n0[1], dz = b->nz[i] - g->n0[2];
-        const float d1 = g->across1[0] * dx + g->across1[1] * dy + g->across1[2] * dz;
-        const float d2 = g->across2[0] * dx + g->across2[1] * dy + g->across2[2] * dz;
-        const float dv = gx * (b->vx[i] - g->v0[0]) + gy * (b->vy[i] - g->v0[1]) + gz * (b->vz[i] - g->v0[2]);
-        const float exponent = dv + d1 * (g1 + h11 * d1 + h12 * d2) + d2 * (g2 + h22 * d2);
+        const float ux = b->vx[i] - g->v0[0], uy = b->vy[i] - g->v0[1], uz = b->vz[i] - g->v0[2];
+        const float d1 = a[0] * dx + a[1] * dy + a[2] * dz, d2 = c[0] * dx + c[1] * dy + c[2] * dz;
+        const float e1 = d1 - back * (a[0] * ux + a[1] * uy + a[2] * uz),
+                    e2 = d2 - back * (c[0] * ux + c[1] * uy + c[2] * uz);
+        const float first = g1 * d1 + g2 * d2 + gx * ux + gy * uy + gz * uz;
+        const float exponent = first + e1 * (h11 * e1 + h12 * e2) + h22 * e2 * e2;
         const float below = most - exponent * LOG2_E;
         b->sum[i] = scale * sheen_exp2_minus(below > 0 ? below : 0, fused);
     }
@@ -329,9 +345,10 @@ SHEEN_KERNEL_INLINE int by_expansion(sheen_lobe_block *b, group *g, const sheen_
                                      float tolerance, int fused)
 {
     const sums at = expand(g, near, sigma_rad, fused);
-    if (!(at.s > 1e-3f * tolerance))
-        return 0;
-    extrapolate(b, g, &at, fused);
+    if (at.s > 1e-3f * tolerance)
+        extrapolate(b, g, &at, fused);
+    else // nothing shines at the middle: the check says whether it does farther out
+        memset(b->sum + g->begin, 0, (size_t)(g->end - g->begin) * sizeof *b->sum);
     if (at.horizon > 0.1f * tolerance && !add_horizon(b, g, near, sigma_rad, fused))
         return 0;
     find_extremes(g, b);
@@ -430,35 +447,44 @@ SHEEN_KERNEL_INLINE void add_light(float sum[LANES], const sheen_lobe_block *b, 
     }
 }
 
-// The samples [begin, begin + LANES) by one list of lights; 0 where their mirror directions lie too far apart.
-SHEEN_KERNEL_INLINE int by_lights(sheen_lobe_block *b, int begin, const sheen_light_cells *cells, int fused)
+// The sums at LANES samples.
+SHEEN_KERNEL_INLINE void add_lights(sheen_lobe_block *b, int begin, const sheen_lights *list,
+                                    const reached *near, float sigma_rad, int fused)
 {
-    const int mid = begin + 12; // of 4 x 4 in Morton order: place (2, 2)
-    group g = {.begin = begin, .end = begin + LANES, .n0 = {b->nx[mid], b->ny[mid], b->nz[mid]}};
+    const float per_alpha2 = 0.5f * LOG2_E / (sigma_rad * sigma_rad);
+    float sum[LANES] = {0}, n_dot_v[LANES];
+    for (int i = 0; i < LANES; i++)
+        n_dot_v[i] = b->nx[begin + i] * b->vx[begin + i] + b->ny[begin + i] * b->vy[begin + i] +
+                     b->nz[begin + i] * b->vz[begin + i];
+    for (size_t i = 0; i < near->count; i++) {
+        const size_t k = near->index[i];
+        const float l[3] = {list->dx[k], list->dy[k], list->dz[k]};
+        add_light(sum, b, begin, n_dot_v, l, list->weight[k], per_alpha2, fused);
+    }
+    memcpy(b->sum + begin, sum, sizeof sum);
+}
+
+// The samples [begin, end), whole vectors, by one list of lights; 0 where their mirror directions lie too far apart.
+SHEEN_KERNEL_INLINE int by_lights(sheen_lobe_block *b, int begin, int end, const sheen_light_cells *cells,
+                                  int fused)
+{
+    const int mid = begin + 3 * (end - begin) / 4; // of a square in Morton order: the place after its middle
+    group g = {.begin = begin, .end = end, .n0 = {b->nx[mid], b->ny[mid], b->nz[mid]}};
     g.v0[0] = b->vx[mid];
     g.v0[1] = b->vy[mid];
     g.v0[2] = b->vz[mid];
     spreads_of(&g, b);
     if (!shares_list(&g, cells))
         return 0;
-    float r0[3], sum[LANES] = {0};
+    float r0[3];
     sheen_mirrorf(r0, g.n0, g.v0);
     const sheen_lights list = sheen_lights_near(cells, r0);
     reached near;
     if (list.count > MAX_REACHED)
         return 0;
     find_reached(&near, &list, &g, cells->sigma_rad, fused);
-    const float per_alpha2 = 0.5f * LOG2_E / (cells->sigma_rad * cells->sigma_rad);
-    float n_dot_v[LANES];
-    for (int i = 0; i < LANES; i++)
-        n_dot_v[i] = b->nx[begin + i] * b->vx[begin + i] + b->ny[begin + i] * b->vy[begin + i] +
-                     b->nz[begin + i] * b->vz[begin + i];
-    for (size_t i = 0; i < near.count; i++) {
-        const size_t k = near.index[i];
-        const float l[3] = {list.dx[k], list.dy[k], list.dz[k]};
-        add_light(sum, b, begin, n_dot_v, l, list.weight[k], per_alpha2, fused);
-    }
-    memcpy(b->sum + begin, sum, sizeof sum);
+    for (int i = begin; i < end; i += LANES)
+        add_lights(b, i, &list, &near, cells->sigma_rad, fused);
     return 1;
 }
 
@@ -475,12 +501,19 @@ static void pad(sheen_lobe_block *b)
     }
 }
 
+// A list serves 8 x 8 samples where it can, else 4 x 4: looking the lights up costs more than the few too many of them.
 SHEEN_KERNEL_INLINE void sum_narrow(sheen_lobe_block *b, const sheen_light_cells *cells, int fused)
 {
     pad(b);
-    for (int begin = 0; begin < b->count; begin += LANES)
-        if (!by_lights(b, begin, cells, fused))
-            one_by_one(b, begin, begin + LANES < b->count ? begin + LANES : b->count, cells, fused);
+    const int padded = (b->count + LANES - 1) / LANES * LANES;
+    for (int begin = 0, end; begin < padded; begin = end) {
+        end = padded - begin < NARROW_GROUP || begin % NARROW_GROUP ? begin + LANES : begin + NARROW_GROUP;
+        if (by_lights(b, begin, end, cells, fused))
+            continue;
+        for (int i = begin; i < end; i += LANES)
+            if (end - begin == LANES || !by_lights(b, i, i + LANES, cells, fused))
+                one_by_one(b, i, i + LANES < b->count ? i + LANES : b->count, cells, fused);
+    }
 }
 
 SHEEN_KERNEL_INLINE void sum_block(sheen_lobe_block *b, const sheen_light_cells *cells, float tolerance,
@@ -497,9 +530,11 @@ SHEEN_KERNEL_INLINE void sum_block(sheen_lobe_block *b, const sheen_light_cells 
         sum_narrow(b, cells, fused);
     else
         sum_wide(b, cells, tolerance, fused);
+#pragma omp simd
     for (int i = 0; i < b->count; i++) {
-        const float n_i[3] = {b->nx[i], b->ny[i], b->nz[i]}, v_i[3] = {b->vx[i], b->vy[i], b->vz[i]};
-        b->sum[i] = sheen_dotf(n_i, v_i) > 0 ? b->sum[i] * sheen_lobe_inverse_cos(n_i, v_i) : 0;
+        const float cos_r = b->nx[i] * b->vx[i] + b->ny[i] * b->vy[i] + b->nz[i] * b->vz[i];
+        const float over = cos_r > SHEEN_LOBE_MIN_COS ? cos_r : SHEEN_LOBE_MIN_COS;
+        b->sum[i] = sheen_if_positive(cos_r, b->sum[i]) / over;
     }
 }
 

@@ -3,6 +3,8 @@
 #ifndef SHEEN_RENDER_LOBE_BLOCK_H
 #define SHEEN_RENDER_LOBE_BLOCK_H
 
+#include <stdalign.h>
+
 #include "render/lobe.h"
 
 #ifdef __cplusplus
@@ -14,7 +16,7 @@ enum { SHEEN_LOBE_BLOCK = 256 };
 // Unit normals and directions to the camera, component by component, in the lights' frame; neighbours in the
 // picture should stand near each other (Morton order), or time is lost.
 typedef struct sheen_lobe_block {
-    float nx[SHEEN_LOBE_BLOCK];
+    alignas(64) float nx[SHEEN_LOBE_BLOCK]; // so that no vector straddles two cache lines
     float ny[SHEEN_LOBE_BLOCK], nz[SHEEN_LOBE_BLOCK];
     float vx[SHEEN_LOBE_BLOCK], vy[SHEEN_LOBE_BLOCK], vz[SHEEN_LOBE_BLOCK];
     float sum[SHEEN_LOBE_BLOCK]; // out

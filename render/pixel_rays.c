@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/cpu_level.h"
 #include "base/parallel.h"
 #include "base/vec.h"
 
@@ -186,7 +187,7 @@ static void cubic_through(double c[4][3], const double p[4][3])
 }
 
 // Unit vectors along the cubic c[0] + t c[1] + t^2 c[2] + t^3 c[3] for t = t0 + i dt.
-static void emit(float *v_obj, double c[4][3], double t0, double dt, int n)
+SHEEN_KERNEL_INLINE void emit_body(float *v_obj, double c[4][3], double t0, double dt, int n)
 {
 #pragma omp simd
     for (int i = 0; i < n; i++) {
@@ -200,6 +201,39 @@ static void emit(float *v_obj, double c[4][3], double t0, double dt, int n)
         to[1] = y * scale;
         to[2] = z * scale;
     }
+}
+
+static void emit_baseline(float *v_obj, double c[4][3], double t0, double dt, int n)
+{
+    emit_body(v_obj, c, t0, dt, n);
+}
+
+#if defined(__x86_64__)
+SHEEN_TARGET_AVX2 static void emit_avx2(float *v_obj, double c[4][3], double t0, double dt, int n)
+{
+    emit_body(v_obj, c, t0, dt, n);
+}
+
+SHEEN_TARGET_AVX512 static void emit_avx512(float *v_obj, double c[4][3], double t0, double dt, int n)
+{
+    emit_body(v_obj, c, t0, dt, n);
+}
+#endif
+
+static void emit(float *v_obj, double c[4][3], double t0, double dt, int n)
+{
+#if defined(__x86_64__)
+    const int level = sheen_cpu_level();
+    if (level >= SHEEN_CPU_AVX512) {
+        emit_avx512(v_obj, c, t0, dt, n);
+        return;
+    }
+    if (level == SHEEN_CPU_AVX2) {
+        emit_avx2(v_obj, c, t0, dt, n);
+        return;
+    }
+#endif
+    emit_baseline(v_obj, c, t0, dt, n);
 }
 
 static void row_pinhole(const sheen_pixel_rays *r, float *v_obj, double x_px, double y_px, double dx_px,

@@ -9,7 +9,7 @@
 //   * 1/z is linear in the picture. It decides what is nearer, and at the end makes barycentric weights of the
 //     picture into those of the triangle (perspective correction).
 //   * The picture is cut into bands of rows. Each lists the triangles that touch it, in the mesh's order, and
-//     is drawn by one thread into rows of depths and numbers that stay in its cache.
+//     is drawn by one thread into rows of depths and numbers that stay in its cache, and live no longer.
 //
 // Samples have whole-numbered places: u = (x + 1/2) n - 1/2 from the window's first, likewise v.
 #include "render/raster.h"
@@ -19,27 +19,34 @@
 #include <string.h>
 
 #include "base/cpu_level.h"
-#include "base/parallel.h"
 
-enum { LANES = 16, BAND_ROWS = 32 };
+// Samples that a vector holds; and those of a row that a triangle is drawn over at once: most are narrower than sixteen.
+enum { LANES = 16, SPAN = 8 };
 
 // Place in the picture and inverse depth, in one cache line's quarter.
 typedef struct vertex {
     float u, v, w, unused;
 } vertex;
 
-typedef struct raster {
-    sheen_gbuffer *g;
+struct sheen_raster_bands {
+    sheen_gbuffer window; // without hits
     const sheen_mesh *mesh;
     vertex *vertices;
     int columns, rows, stride; // samples; stride: columns in whole vectors
-    int n_bands;
-    size_t *first;      // [n_bands + 1] into listed
-    uint32_t *listed;   // triangles, band after band
-    float *inverse_z_m; // [rows][stride]
-    uint32_t *triangle; // [rows][stride]
+    int band_rows, n_bands;
+    size_t *first;    // [n_bands + 1] into listed
+    uint32_t *listed; // triangles, band after band
     double fxycxy[4];
-} raster;
+};
+
+typedef sheen_raster_bands raster;
+
+// The rows [row0, row1) while they are drawn.
+typedef struct band {
+    int row0, row1;
+    float *inverse_z_m; // [row1 - row0][stride]
+    uint32_t *triangle; // [row1 - row0][stride]
+} band;
 
 bool sheen_raster_can(const sheen_gbuffer *g, const sheen_camera *cam, const sheen_mesh *mesh,
                       const sheen_projected *at)
@@ -73,8 +80,8 @@ static bool bands_of(const raster *r, size_t triangle, int *first, int *last)
     span_of(first, last, a, b, c, r->rows);
     if (*first > *last)
         return false;
-    *first /= BAND_ROWS;
-    *last /= BAND_ROWS;
+    *first /= r->band_rows;
+    *last /= r->band_rows;
     return true;
 }
 
@@ -112,15 +119,15 @@ SHEEN_KERNEL_INLINE edge edge_through(const vertex *vertices, uint32_t from, uin
     return (edge){sign * a, sign * b, sign * -(a * p->u + b * p->v)};
 }
 
-// Draws one triangle into the rows [row0, row1) of depths and numbers.
-SHEEN_KERNEL_INLINE void draw_triangle(const raster *r, uint32_t triangle, int row0, int row1)
+// Draws one triangle into a band's depths and numbers.
+SHEEN_KERNEL_INLINE void draw_triangle(const raster *r, const band *to, uint32_t triangle)
 {
     const uint32_t *corner = r->mesh->triangles + 3 * (size_t)triangle;
     const vertex *p = r->vertices + corner[0], *q = r->vertices + corner[1], *s = r->vertices + corner[2];
     int x0, x1, y0, y1;
     span_of(&x0, &x1, p->u, q->u, s->u, r->columns);
-    span_of(&y0, &y1, p->v, q->v, s->v, row1);
-    y0 = y0 < row0 ? row0 : y0;
+    span_of(&y0, &y1, p->v, q->v, s->v, to->row1);
+    y0 = y0 < to->row0 ? to->row0 : y0;
     const float qu = q->u - p->u, qv = q->v - p->v, su = s->u - p->u, sv = s->v - p->v;
     const float area = qu * sv - qv * su;
     if (x0 > x1 || y0 > y1 || area == 0)
@@ -132,16 +139,17 @@ SHEEN_KERNEL_INLINE void draw_triangle(const raster *r, uint32_t triangle, int r
     // w = p.w + w_u (u - p.u) + w_v (v - p.v) through the three corners.
     const float qw = q->w - p->w, sw = s->w - p->w;
     const float w_u = (qw * sv - sw * qv) / area, w_v = (sw * qu - qw * su) / area;
-    const int begin = x0 / LANES * LANES;
+    const int begin = x0 / SPAN * SPAN;
     for (int y = y0; y <= y1; y++) {
         const float v = (float)y;
         const float c0 = e0.b * v + e0.c, c1 = e1.b * v + e1.c, c2 = e2.b * v + e2.c;
         const float cw = p->w + w_v * (v - p->v);
-        for (int x = begin; x <= x1; x += LANES) {
-            float *restrict depth = r->inverse_z_m + (size_t)y * (size_t)r->stride + (size_t)x;
-            uint32_t *restrict number = r->triangle + (size_t)y * (size_t)r->stride + (size_t)x;
+        const size_t row = (size_t)(y - to->row0) * (size_t)r->stride;
+        for (int x = begin; x <= x1; x += SPAN) {
+            float *restrict depth = to->inverse_z_m + row + x;
+            uint32_t *restrict number = to->triangle + row + x;
 #pragma omp simd
-            for (int i = 0; i < LANES; i++) {
+            for (int i = 0; i < SPAN; i++) {
                 const float u = (float)(x + i);
                 const float f0 = e0.a * u + c0, f1 = e1.a * u + c1, f2 = e2.a * u + c2;
                 const float w = cw + w_u * (u - p->u);
@@ -153,12 +161,26 @@ SHEEN_KERNEL_INLINE void draw_triangle(const raster *r, uint32_t triangle, int r
     }
 }
 
-// The hits of LANES samples in a row of which at least one sees a triangle.
-SHEEN_KERNEL_INLINE void make_hits(const raster *r, sheen_hit *hits, const uint32_t *number, int x, int y,
-                                   int count)
+// The rays through a row: (dx, dy, 1) from the camera, dx = dx0 + x dx_step.
+typedef struct row_rays {
+    float dx0, dx_step, across2; // 1 + dy^2
+} row_rays;
+
+static row_rays rays_of(const raster *r, int y)
+{
+    const sheen_gbuffer *g = &r->window;
+    const double step_px = 1.0 / g->samples_per_side, start_px = 0.5 * step_px - 0.5;
+    const double dx0 = (g->x0_px + start_px - r->fxycxy[2]) / r->fxycxy[0];
+    const double dy = (g->y0_px + start_px + y * step_px - r->fxycxy[3]) / r->fxycxy[1];
+    return (row_rays){(float)dx0, (float)(step_px / r->fxycxy[0]), (float)(1 + dy * dy)};
+}
+
+// The hits of LANES samples in a row of which at least one sees a triangle; t_m is z times the length of the ray to z = 1.
+SHEEN_KERNEL_INLINE void make_hits(const raster *r, sheen_hit *hits, const uint32_t *number,
+                                   const row_rays *rays, int x, int y, int count)
 {
     vertex p[LANES], q[LANES], s[LANES];
-    float b1[LANES], b2[LANES], z_m[LANES];
+    float b1[LANES], b2[LANES], t_m[LANES];
     for (int i = 0; i < LANES; i++) {
         const size_t triangle = number[i] == SHEEN_NO_HIT ? 0 : number[i];
         const uint32_t *corner = r->mesh->triangles + 3 * triangle;
@@ -176,24 +198,19 @@ SHEEN_KERNEL_INLINE void make_hits(const raster *r, sheen_hit *hits, const uint3
         const float m1 = l1 > 0 ? l1 : 0, m2 = l2 > 0 ? l2 : 0;
         const float scale = m1 + m2 > 1 ? 1 / (m1 + m2) : 1;
         const float w1 = m1 * scale * q[i].w, w2 = m2 * scale * s[i].w;
-        z_m[i] = 1 / ((1 - (m1 + m2) * scale) * p[i].w + w1 + w2);
-        b1[i] = w1 * z_m[i];
-        b2[i] = w2 * z_m[i];
+        const float z_m = 1 / ((1 - (m1 + m2) * scale) * p[i].w + w1 + w2);
+        const float dx = rays->dx0 + rays->dx_step * (float)(x + i);
+        b1[i] = w1 * z_m;
+        b2[i] = w2 * z_m;
+        t_m[i] = z_m * sqrtf(rays->across2 + dx * dx);
     }
     for (int i = 0; i < count; i++)
-        hits[i] = (sheen_hit){number[i], b1[i], b2[i], z_m[i]};
+        hits[i] = (sheen_hit){number[i], b1[i], b2[i], t_m[i]};
 }
 
-// A row's hits; t_m is z times the length of the ray to z = 1.
-SHEEN_KERNEL_INLINE void make_row(const raster *r, int y)
+SHEEN_KERNEL_INLINE void make_row(const raster *r, sheen_hit *hits, const uint32_t *number, int y)
 {
-    const int n = r->g->samples_per_side;
-    const double step_px = 1.0 / n, start_px = 0.5 * step_px - 0.5;
-    const double dy = (r->g->y0_px + start_px + y * step_px - r->fxycxy[3]) / r->fxycxy[1];
-    const float dx0 = (float)((r->g->x0_px + start_px - r->fxycxy[2]) / r->fxycxy[0]),
-                dx_step = (float)(step_px / r->fxycxy[0]), across2 = (float)(1 + dy * dy);
-    const uint32_t *number = r->triangle + (size_t)y * (size_t)r->stride;
-    sheen_hit *hits = r->g->hits + (size_t)y * (size_t)r->columns;
+    const row_rays rays = rays_of(r, y);
     for (int x = 0; x < r->columns; x += LANES) {
         const int count = r->columns - x < LANES ? r->columns - x : LANES;
         uint32_t all = SHEEN_NO_HIT;
@@ -204,90 +221,109 @@ SHEEN_KERNEL_INLINE void make_row(const raster *r, int y)
                 hits[x + i] = (sheen_hit){.triangle = SHEEN_NO_HIT};
             continue;
         }
-        make_hits(r, hits + x, number + x, x, y, count);
-        for (int i = 0; i < count; i++) {
-            const float dx = dx0 + dx_step * (float)(x + i);
-            hits[x + i].t_m *= sqrtf(across2 + dx * dx);
-        }
+        make_hits(r, hits + x, number + x, &rays, x, y, count);
     }
 }
 
-SHEEN_KERNEL_INLINE void draw_bands(const raster *r, size_t begin, size_t end)
+SHEEN_KERNEL_INLINE void draw_band(const raster *r, sheen_hit *hits, const band *to, int number)
 {
-    for (size_t band = begin; band < end; band++) {
-        const int row0 = (int)band * BAND_ROWS,
-                  row1 = row0 + BAND_ROWS < r->rows ? row0 + BAND_ROWS : r->rows;
-        const size_t at = (size_t)row0 * (size_t)r->stride, n = (size_t)(row1 - row0) * (size_t)r->stride;
-        memset(r->inverse_z_m + at, 0, n * sizeof *r->inverse_z_m);
-        memset(r->triangle + at, 0xff, n * sizeof *r->triangle); // SHEEN_NO_HIT
-        for (size_t i = r->first[band]; i < r->first[band + 1]; i++)
-            draw_triangle(r, r->listed[i], row0, row1);
-        for (int y = row0; y < row1; y++)
-            make_row(r, y);
+    const size_t n = (size_t)(to->row1 - to->row0) * (size_t)r->stride;
+    memset(to->inverse_z_m, 0, n * sizeof *to->inverse_z_m);
+    memset(to->triangle, 0xff, n * sizeof *to->triangle); // SHEEN_NO_HIT
+    for (size_t i = r->first[number]; i < r->first[number + 1]; i++)
+        draw_triangle(r, to, r->listed[i]);
+    for (int y = to->row0; y < to->row1; y++) {
+        const size_t row = (size_t)(y - to->row0);
+        make_row(r, hits + row * (size_t)r->columns, to->triangle + row * (size_t)r->stride, y);
     }
 }
 
-static void bands_baseline(void *self, size_t begin, size_t end)
+static void band_baseline(const raster *r, sheen_hit *hits, const band *to, int number)
 {
-    draw_bands(self, begin, end);
+    draw_band(r, hits, to, number);
 }
 
 #if defined(__x86_64__)
-SHEEN_TARGET_AVX2 static void bands_avx2(void *self, size_t begin, size_t end)
+SHEEN_TARGET_AVX2 static void band_avx2(const raster *r, sheen_hit *hits, const band *to, int number)
 {
-    draw_bands(self, begin, end);
+    draw_band(r, hits, to, number);
 }
 
-SHEEN_TARGET_AVX512 static void bands_avx512(void *self, size_t begin, size_t end)
+SHEEN_TARGET_AVX512 static void band_avx512(const raster *r, sheen_hit *hits, const band *to, int number)
 {
-    draw_bands(self, begin, end);
+    draw_band(r, hits, to, number);
 }
 #endif
+
+sheen_status sheen_raster_bands_hits(const sheen_raster_bands *r, sheen_hit *hits, int number, sheen_err *err)
+{
+    void (*draw)(const raster *self, sheen_hit *out, const band *rows, int i) = band_baseline;
+#if defined(__x86_64__)
+    draw = sheen_cpu_level() == SHEEN_CPU_AVX512 ? band_avx512
+           : sheen_cpu_level() == SHEEN_CPU_AVX2 ? band_avx2
+                                                 : band_baseline;
+#endif
+    band to = {.row0 = number * r->band_rows};
+    to.row1 = to.row0 + r->band_rows < r->rows ? to.row0 + r->band_rows : r->rows;
+    const size_t n = (size_t)(to.row1 - to.row0) * (size_t)r->stride;
+    sheen_status s = SHEEN_OK;
+    to.inverse_z_m = aligned_alloc(
+        64, n * sizeof *to.inverse_z_m); // whole vectors: none straddles two cache lines
+    to.triangle = aligned_alloc(64, n * sizeof *to.triangle);
+    if (to.inverse_z_m && to.triangle)
+        draw(r, hits, &to, number);
+    else
+        s = sheen_fail_memory(err, 8.0 * (double)n, "a picture's depths");
+    free(to.triangle);
+    free(to.inverse_z_m);
+    return s;
+}
 
 static void place_vertices(raster *r, const sheen_projected *at)
 {
-    const double n = r->g->samples_per_side;
+    const double n = r->window.samples_per_side;
     for (size_t i = 0; i < r->mesh->n_vertices; i++)
-        r->vertices[i] = (vertex){.u = (float)((at->q_px[2 * i] + 0.5 - r->g->x0_px) * n - 0.5),
-                                  .v = (float)((at->q_px[2 * i + 1] + 0.5 - r->g->y0_px) * n - 0.5),
+        r->vertices[i] = (vertex){.u = (float)((at->q_px[2 * i] + 0.5 - r->window.x0_px) * n - 0.5),
+                                  .v = (float)((at->q_px[2 * i + 1] + 0.5 - r->window.y0_px) * n - 0.5),
                                   .w = (float)at->inverse_z_m[i]};
 }
 
-sheen_status sheen_raster_hits(sheen_gbuffer *g, const sheen_mesh *mesh, const sheen_camera *cam,
-                               const sheen_projected *at, int n_threads, sheen_err *err)
+sheen_status sheen_raster_bands_new(sheen_raster_bands **out, const sheen_gbuffer *g, const sheen_mesh *mesh,
+                                    const sheen_camera *cam, const sheen_projected *at, int band_rows,
+                                    sheen_err *err)
 {
-    void (*bands)(void *self, size_t begin, size_t end) = bands_baseline;
-#if defined(__x86_64__)
-    bands = sheen_cpu_level() == SHEEN_CPU_AVX512 ? bands_avx512
-            : sheen_cpu_level() == SHEEN_CPU_AVX2 ? bands_avx2
-                                                  : bands_baseline;
-#endif
-    raster r = {.g = g, .mesh = mesh};
-    memcpy(r.fxycxy, cam->intrinsics, sizeof r.fxycxy);
-    r.columns = g->width_px * g->samples_per_side;
-    r.rows = g->height_px * g->samples_per_side;
-    r.stride = (r.columns + LANES - 1) / LANES * LANES;
-    r.n_bands = (r.rows + BAND_ROWS - 1) / BAND_ROWS;
-    const size_t n_samples = (size_t)r.stride * (size_t)r.rows;
     sheen_status s = SHEEN_OK;
-    r.vertices = malloc(mesh->n_vertices * sizeof *r.vertices);
-    r.first = calloc((size_t)r.n_bands + 2, sizeof *r.first);
-    r.inverse_z_m = malloc(n_samples * sizeof *r.inverse_z_m);
-    r.triangle = malloc(n_samples * sizeof *r.triangle);
-    if (!r.vertices || !r.first || !r.inverse_z_m || !r.triangle) {
-        s = sheen_fail_memory(err, 8.0 * (double)n_samples, "a picture's depths");
-        goto done;
+    raster *r = calloc(1, sizeof *r);
+    if (r) {
+        *r = (raster){.window = *g, .mesh = mesh, .band_rows = band_rows};
+        memcpy(r->fxycxy, cam->intrinsics, sizeof r->fxycxy);
+        r->columns = g->width_px * g->samples_per_side;
+        r->rows = g->height_px * g->samples_per_side;
+        r->stride = (r->columns + LANES - 1) / LANES * LANES;
+        r->n_bands = (r->rows + band_rows - 1) / band_rows;
+        r->vertices = malloc(mesh->n_vertices * sizeof *r->vertices);
+        r->first = calloc((size_t)r->n_bands + 2, sizeof *r->first);
     }
-    place_vertices(&r, at);
-    s = list_bands(&r, err);
-    if (!s)
-        sheen_parallel_for((size_t)r.n_bands, 1, n_threads, bands, &r);
-
-done:
-    free(r.listed);
-    free(r.triangle);
-    free(r.inverse_z_m);
-    free(r.first);
-    free(r.vertices);
+    if (!r || !r->vertices || !r->first) {
+        s = sheen_fail_memory(err, 16.0 * (double)mesh->n_vertices, "a picture's vertices");
+    } else {
+        place_vertices(r, at);
+        s = list_bands(r, err);
+    }
+    if (s)
+        sheen_raster_bands_free(&r);
+    *out = r;
     return s;
+}
+
+void sheen_raster_bands_free(sheen_raster_bands **bands)
+{
+    raster *r = *bands;
+    if (!r)
+        return;
+    free(r->listed);
+    free(r->first);
+    free(r->vertices);
+    free(r);
+    *bands = NULL;
 }

@@ -19,10 +19,19 @@ typedef struct sheen_projected {
 bool sheen_raster_can(const sheen_gbuffer *g, const sheen_camera *cam, const sheen_mesh *mesh,
                       const sheen_projected *at);
 
-// Fills g->hits (allocated; window and samples are set). The same hits as rays through the samples have,
-// except that a sample within SHEEN_RASTER_ERROR_PX of a triangle's edge may go to its neighbour. The result
-// does not depend on n_threads, nor on the instruction set but for the last bits of b1, b2, t_m. ENOMEM.
-sheen_status sheen_raster_hits(sheen_gbuffer *g, const sheen_mesh *mesh, const sheen_camera *cam,
-                               const sheen_projected *at, int n_threads, sheen_err *err);
+// The triangles of a window's bands of rows (of samples).
+typedef struct sheen_raster_bands sheen_raster_bands;
+
+// g: the window and its samples. The mesh is lent until the release. ENOMEM.
+sheen_status sheen_raster_bands_new(sheen_raster_bands **out, const sheen_gbuffer *g, const sheen_mesh *mesh,
+                                    const sheen_camera *cam, const sheen_projected *at, int band_rows,
+                                    sheen_err *err);
+void sheen_raster_bands_free(sheen_raster_bands **bands);
+
+// The hits of one band, row after row. The same as rays through the samples have, except that a sample within
+// SHEEN_RASTER_ERROR_PX of a triangle's edge may go to its neighbour. The result does not depend on the bands, nor on
+// the instruction set but for the last bits of b1, b2, t_m. May be called from several threads at once. ENOMEM.
+sheen_status sheen_raster_bands_hits(const sheen_raster_bands *r, sheen_hit *hits, int number,
+                                     sheen_err *err);
 
 #endif

@@ -13,7 +13,7 @@
 #include "base/cpu_level.h"
 #include "base/vec.h"
 
-enum { LANES = 16 };
+enum { LANES = 16, AT_ONCE = 16 };
 
 sheen_status sheen_texture_init(sheen_texture *t, size_t n_triangles, int texels_per_edge, sheen_err *err)
 {
@@ -185,22 +185,47 @@ SHEEN_KERNEL_INLINE void cells_at(cells *out, int T, const sheen_hit *hits)
     }
 }
 
+// Asks the memory for the texels of LANES hits: a texture is larger than the caches, and by the time that the last are asked for
+// the first are there.
+SHEEN_KERNEL_INLINE void ask_for(const sheen_texture *t, const cells *c, const sheen_hit *hits,
+                                 size_t per_triangle)
+{
+    for (size_t k = 0; k < LANES; k++) {
+        const size_t first = hits[k].triangle * per_triangle;
+        __builtin_prefetch(t->rgb + 3 * (first + (size_t)c->texel[1][k]));
+        __builtin_prefetch(t->rgb + 3 * (first + (size_t)c->texel[2][k]));
+        __builtin_prefetch(t->n_views + first + (size_t)c->texel[1][k]);
+    }
+}
+
+// At most AT_ONCE vectors of LANES hits.
+SHEEN_KERNEL_INLINE void samples_of(float *rgb, float *seen, const sheen_texture *t, const sheen_hit *hits,
+                                    size_t n_vectors)
+{
+    const size_t per_triangle = sheen_texels_per_triangle(t->texels_per_edge);
+    cells c[AT_ONCE];
+    for (size_t i = 0; i < n_vectors; i++) {
+        cells_at(&c[i], t->texels_per_edge, hits + LANES * i);
+        ask_for(t, &c[i], hits + LANES * i, per_triangle);
+    }
+    for (size_t i = 0; i < LANES * n_vectors; i++) {
+        const cells *at = &c[i / LANES];
+        const size_t k = i % LANES, first = hits[i].triangle * per_triangle;
+        const size_t texel[3] = {first + (size_t)at->texel[0][k], first + (size_t)at->texel[1][k],
+                                 first + (size_t)at->texel[2][k]};
+        const float weight[3] = {at->weight[0][k], at->weight[1][k], at->weight[2][k]};
+        seen[i] = sample_cell(t, texel, weight, rgb + 3 * i);
+    }
+}
+
 SHEEN_KERNEL_INLINE void samples(float *rgb, float *seen, const sheen_texture *t, const sheen_hit *hits,
                                  size_t n)
 {
-    const size_t per_triangle = sheen_texels_per_triangle(t->texels_per_edge), whole = n / LANES * LANES;
-    for (size_t begin = 0; begin < whole; begin += LANES) {
-        cells c;
-        cells_at(&c, t->texels_per_edge, hits + begin);
-        for (size_t k = 0; k < LANES; k++) {
-            const size_t first = hits[begin + k].triangle * per_triangle;
-            const size_t texel[3] = {first + (size_t)c.texel[0][k], first + (size_t)c.texel[1][k],
-                                     first + (size_t)c.texel[2][k]};
-            const float weight[3] = {c.weight[0][k], c.weight[1][k], c.weight[2][k]};
-            seen[begin + k] = sample_cell(t, texel, weight, rgb + 3 * (begin + k));
-        }
-    }
-    for (size_t i = whole; i < n; i++)
+    const size_t n_vectors = n / LANES;
+    for (size_t i = 0; i < n_vectors; i += AT_ONCE)
+        samples_of(rgb + 3 * LANES * i, seen + LANES * i, t, hits + LANES * i,
+                   n_vectors - i < AT_ONCE ? n_vectors - i : AT_ONCE);
+    for (size_t i = n_vectors * LANES; i < n; i++)
         seen[i] = sheen_texture_sample(t, &hits[i], rgb + 3 * i);
 }
 

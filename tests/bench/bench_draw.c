@@ -24,7 +24,7 @@ typedef struct job {
     double rt_cam_obj[6];
     sheen_gbuffer g;
     sheen_layers layers;
-    int samples, reference;
+    int samples, reference, n_threads;
 } job;
 
 static void run_rays(void *self)
@@ -68,7 +68,7 @@ static void run_draw(void *self)
 {
     job *j = self;
     const sheen_draw_options o = {
-        .layers = SHEEN_LAYER_COMPOSITE, .samples_per_side = j->samples, .n_threads = 1};
+        .layers = SHEEN_LAYER_COMPOSITE, .samples_per_side = j->samples, .n_threads = j->n_threads};
     if (sheen_redraw(&j->layers, j->d, &j->cam, j->rt_cam_obj, NULL, &o, NULL))
         abort();
     bench_keep((double)j->layers.composite.data[0]);
@@ -128,13 +128,35 @@ static void bench_pictures(job *j, const char *through, double rays_ns)
             abort();
         snprintf(name, sizeof name, "draw: %s, %d x %d samples, sigma %.4f, a picture", through, j->samples,
                  j->samples, sigmas_rad[i]);
+        j->n_threads = 1;
         const double ns = bench(name, 1, 10, run_draw, j);
         printf("    %.1f ms, %.1f pictures a second on one core; rays alone %.1f ms: %.2f times\n", 1e-6 * ns,
                1e9 / ns, 1e-6 * rays_ns, ns / rays_ns);
+        j->n_threads = 2;
+        snprintf(name, sizeof name, "draw: %s, %d x %d samples, sigma %.4f, two threads", through, j->samples,
+                 j->samples, sigmas_rad[i]);
+        const double elapsed_ns = bench_elapsed(name, 1, 20, run_draw, j);
+        printf("    %.1f ms elapsed, %.1f pictures a second on two threads\n", 1e-6 * elapsed_ns,
+               1e9 / elapsed_ns);
         if (j->samples == 1)
             print_reach(j);
         sheen_drawing_free(&j->d);
     }
+}
+
+// What a picture takes in which nothing is to be seen: its pixels are written.
+static void bench_background(job *j)
+{
+    const double x_m = j->rt_cam_obj[3];
+    j->m.sigma_rad = 0.1;
+    if (sheen_drawing_new(&j->d, &j->m, NULL))
+        abort();
+    j->rt_cam_obj[3] = 100;
+    j->n_threads = 1;
+    j->samples = 1;
+    bench("draw: nothing in view, a picture", 1, 10, run_draw, j);
+    j->rt_cam_obj[3] = x_m;
+    sheen_drawing_free(&j->d);
 }
 
 int main(void)
@@ -142,6 +164,8 @@ int main(void)
     static job j;
     fill_model(&j.m);
     test_look(j.rt_cam_obj, 0.3, 0.2, 0.3);
+    test_camera(&j.cam, WIDTH, HEIGHT, 2300, 0);
+    bench_background(&j);
     bench("scene: building, a triangle", j.m.mesh.n_triangles, 5, run_build, &j);
     for (int lens = 0; lens < 2; lens++) {
         const char *through = lens ? "lens" : "pinhole";
