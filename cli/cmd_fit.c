@@ -122,12 +122,16 @@ void sheen_cli_say_fit(sheen_cli *cli, const sheen_fit_summary *f)
     if (!isnan(f->f0))
         sheen_cli_say(cli, "surroundings: reflectance %.3f at normal incidence, with the mesh's own shadows",
                       f->f0);
+    if (f->n_dark)
+        sheen_cli_say(cli, "note: %zu photograph%s black and left out ('%s'%s)", f->n_dark,
+                      f->n_dark == 1 ? " is" : "s are", f->dark_name, f->n_dark == 1 ? "" : " is the first");
     for (size_t i = 0; i < f->certainty.n_sentences; i++)
         sheen_cli_say(cli, "note: %s", f->certainty.sentences[i]);
     put_certainty(cli, &f->certainty);
     sheen_json_put_string(&cli->out, "method", f->method);
     sheen_json_put_number(&cli->out, "f0", f->f0);
     sheen_json_put_int(&cli->out, "photographs", (long long)f->n_views);
+    sheen_json_put_int(&cli->out, "photographs_black", (long long)f->n_dark);
     sheen_json_put_int(&cli->out, "samples", (long long)f->n_samples);
     sheen_json_put_number(&cli->out, "seen_share", f->seen_share);
     sheen_json_put_int(&cli->out, "nodes", (long long)f->n_nodes);

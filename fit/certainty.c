@@ -351,7 +351,7 @@ static double azimuth_deg(const double v[3])
     return a < 0 ? a + 360 : a;
 }
 
-static void put_in_words(sheen_certainty *c)
+static void put_in_words(sheen_certainty *c, bool lights_refuted)
 {
     double total = 0;
     for (size_t i = 0; i < c->n_lamps; i++)
@@ -366,7 +366,11 @@ static void put_in_words(sheen_certainty *c)
                 azimuth_deg(l->v_world), asin(fmax(-1, fmin(1, l->v_world[2]))) * 57.29577951308232,
                 l->n_views ? "one photograph only" : "no photograph in full");
     }
-    if (!c->n_lamps)
+    if (lights_refuted)
+        say(c,
+            "the lights that were found do not help to predict photographs that are left out: the model is "
+            "its texture alone");
+    else if (!c->n_lamps)
         say(c, "no highlight was found that the photographs agree on: the surface is taken to be matte");
     else if (!(c->sigma_share < 0.1))
         say(c, "the roughness is known to %.0f %% only: few pixels lie on the flanks of highlights",
@@ -467,7 +471,7 @@ sheen_status sheen_certainty_find(sheen_certainty *out, const sheen_paper_fit *f
     count_texels(out, &f->model.texture);
     if (moving == SHEEN_MOVING_CAMERA)
         s = sheen_certainty_advise(out, &f->model, mesh, photos, err);
-    put_in_words(out);
+    put_in_words(out, f->lights_refuted);
 
 done:
     free(peak);

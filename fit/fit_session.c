@@ -231,6 +231,8 @@ sheen_status sheen_fit_session(sheen_fit_summary *out, const sheen_session *s, s
     st.mesh = (sheen_mesh){0};
     if ((status = summarize(out, &st.fit, err)))
         goto done;
+    out->n_dark = st.photos.n_dark;
+    memcpy(out->dark_name, st.photos.dark_name, sizeof out->dark_name);
     watch = sheen_stopwatch_now();
     if ((status = sheen_certainty_find(&out->certainty, &st.fit, &st.fit.model.mesh, &st.photos, s->moving,
                                        err))) {

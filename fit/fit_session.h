@@ -12,6 +12,8 @@ typedef struct sheen_fit_summary {
     char method[24];
     double f0; // reflectance at normal incidence; NaN: not part of the method
     size_t n_views, n_samples;
+    size_t n_dark; // photographs left out because they show nothing, and the name of the first
+    char dark_name[64];
     int texels_per_edge;
     double seen_share; // of the texels
     size_t n_nodes, n_reached, n_assigned,

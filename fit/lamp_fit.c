@@ -57,21 +57,11 @@ static float luminance_of(const sheen_lamp *lamp)
     return sheen_luminance(lamp->rgb);
 }
 
-static void axes_about(float a[3], float b[3], const float d[3])
-{
-    float axis[3] = {0, 0, 0};
-    const float x = fabsf(d[0]), y = fabsf(d[1]), z = fabsf(d[2]);
-    axis[x <= y && x <= z ? 0 : y <= z ? 1 : 2] = 1;
-    sheen_crossf(a, d, axis);
-    sheen_normalizef(a);
-    sheen_crossf(b, d, a);
-}
-
 // Moves a lamp by `by` in each of its parameters, held to what is possible.
 static void move_lamp(sheen_lamp *lamp, const double by[PER_LAMP], float radius_m)
 {
     float a[3], b[3];
-    axes_about(a, b, lamp->direction_world);
+    sheen_axes_aboutf(a, b, lamp->direction_world);
     for (int i = 0; i < 3; i++)
         lamp->direction_world[i] += (float)by[ALONG_A] * a[i] + (float)by[ALONG_B] * b[i];
     sheen_normalizef(lamp->direction_world);

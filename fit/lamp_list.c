@@ -33,12 +33,13 @@ static double residual_at(const search *q, const float *predicted, size_t i)
     return sheen_lamp_residual(&q->samples->at[i], (double)predicted[i]);
 }
 
-// Scale of what is not explained, over samples that are lit or said to be.
+// Scale of what is not explained, over samples that are lit or said to be. A clipped one is a bound, whose residual is 0 wherever it
+// holds: that says nothing of the noise.
 static void measure_scale(search *q)
 {
     size_t n = 0;
     for (size_t i = 0; i < q->samples->count; i++)
-        if (q->samples->at[i].lit || q->predicted[i] > q->o.threshold_lin)
+        if (!q->samples->at[i].clipped && (q->samples->at[i].lit || q->predicted[i] > q->o.threshold_lin))
             q->residual[n++] = residual_at(q, q->predicted, i);
     const double scale = sheen_robust_scale(q->residual, n, q->scratch);
     q->list->scale = fmin(scale_ceiling, fmax(scale_floor, scale));
@@ -404,6 +405,34 @@ static sheen_status split_wide_lamps(search *q, sheen_err *err)
     return SHEEN_OK;
 }
 
+// Lamps narrower than the lobe are points where E hardly needs their widths: a width of its own takes from sigma what it adds, and
+// photographs through one lobe from one height (a turntable's) cannot tell them apart.
+static sheen_status try_points(search *q, sheen_err *err)
+{
+    sheen_lamp_list points = *q->list;
+    sheen_lamp_fit_options fit = q->o.fit;
+    sheen_lamp_fit_result result;
+    int n_saved = 0;
+    for (size_t i = 0; i < points.n; i++) {
+        sheen_lamp *lamp = &points.lamps[i];
+        if (!(lamp->radius_rad > 0) || lamp->radius_rad > points.lobe.sigma_rad)
+            continue;
+        lamp->radius_rad = 0;
+        n_saved++;
+    }
+    if (!n_saved)
+        return SHEEN_OK;
+    fit.free_radius = 0;
+    fit.max_iterations = 10;
+    const sheen_status s = sheen_lamp_fit(points.lamps, points.n, &points.lobe, q->samples, NULL, &fit,
+                                          &result, err);
+    if (!s && result.cost < q->list->cost + worth(q, n_saved)) {
+        *q->list = points;
+        q->list->cost = result.cost;
+    }
+    return s;
+}
+
 static sheen_status run(search *q, sheen_err *err)
 {
     sheen_status s = predict(q, q->predicted, q->list, err);
@@ -420,6 +449,7 @@ static sheen_status run(search *q, sheen_err *err)
     if (q->list->n) {
         if ((s = refine(q, q->list, q->o.last ? 25 : 8, err)) || (s = join_neighbours(q, err)) ||
             (s = split_wide_lamps(q, err)) || (s = prune(q, err)) ||
+            (q->o.last && (s = try_points(q, err))) ||
             (s = sheen_lamp_colours(q->list->lamps, q->list->n, &q->list->lobe, q->samples, &q->o.fit, err)))
             return s;
     }

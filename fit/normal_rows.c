@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// normal_rows.c - takes samples where highlights are, and makes normal equations of two unknowns a texel of them.
+// normal_rows.c - takes samples where highlights are or the shading changes, and makes normal equations of two unknowns a texel of them.
 #include "fit/normal_rows.h"
 
 #include <math.h>
@@ -16,8 +16,9 @@ enum { PIECE = 256, MOST_TEXELS = 150000 };
 
 static const float lit_lin = 0.01f;   // a highlight at least this bright says something of the normal
 static const float noise_lin = 0.01f; // of a photograph's sample, resampling included
-static const float doubt = 0.05f;     // share by which a predicted highlight may be wrong
-static const float off_rad = 0.03f;   // by which a normal may be wrong: what that explains is no outlier
+static const float doubt = 0.05f; // share by which a predicted highlight may be wrong, or a change of shading
+static const float least_albedo = 0.001f; // below, a colour says nothing of how light is weighed
+static const float off_rad = 0.03f;       // by which a normal may be wrong: what that explains is no outlier
 static const float outlier_lin = 0.02f;
 
 typedef struct job {
@@ -30,7 +31,7 @@ typedef struct job {
 static size_t gather_views(uint8_t view[SHEEN_REFINED_MAX_VIEWS], const sheen_refined_state *r, size_t texel)
 {
     size_t n = 0;
-    int lit = 0;
+    int lit = r->f->model.irradiance.present;
     for (size_t v = 0; v < r->f->n_views; v++) {
         if (!r->views[v].seen[texel])
             continue;
@@ -108,14 +109,29 @@ static float highlight(const sheen_refined_state *r, const sheen_normal_sample *
     return (gloss ? gloss[at->texel] : 1) * sheen_luminance(rgb);
 }
 
-static float highlight_beside(const sheen_refined_state *r, const sheen_normal_sample *s, const place *at,
-                              const float along[3], float by)
+// E, in the luminance of the texture's colour.
+static float shading(const sheen_refined_state *r, const sheen_normal_sample *s, const place *at,
+                     const float n_obj[3])
 {
+    const float *a = r->f->model.texture.rgb + 3 * at->texel, D = sheen_luminance(a);
+    float rgb[3];
+    if (!r->f->model.irradiance.present)
+        return 1;
+    sheen_shade_irradiance(rgb, &r->shading[s->view], at->p_obj, n_obj);
+    const float lit[3] = {a[0] * rgb[0], a[1] * rgb[1], a[2] * rgb[2]};
+    return D > least_albedo ? sheen_luminance(lit) / D : sheen_luminance(rgb);
+}
+
+// D E + S beside the model's normal, D the present one.
+static float light_beside(const sheen_refined_state *r, const sheen_normal_sample *s, const place *at,
+                          const float along[3], float by)
+{
+    const float D = sheen_luminance(r->f->model.texture.rgb + 3 * at->texel);
     float n[3];
     for (int k = 0; k < 3; k++)
         n[k] = at->n_obj[k] + by * along[k];
     sheen_normalizef(n);
-    return highlight(r, s, at, n);
+    return highlight(r, s, at, n) + D * (shading(r, s, at, n) - s->E);
 }
 
 static float mirrored(const sheen_refined_state *r, const sheen_normal_sample *s, size_t texel)
@@ -141,17 +157,19 @@ static void fill_pieces(void *self, size_t begin, size_t end)
         sheen_normal_texel *texel = &j->out->texels[t];
         place at;
         find_place(&at, j->r, j->normals, texel->texel);
-        sheen_tangents(texel->a, texel->b, at.m_obj);
+        sheen_axes_aboutf(texel->a, texel->b, at.m_obj);
         for (size_t i = texel->first; i < texel[1].first; i++) {
             sheen_normal_sample *s = &j->out->samples[i];
             const size_t at_view = 3 * (size_t)texel->texel;
             s->S = sheen_luminance(j->r->lights[s->view].lights_rgb + at_view);
+            s->E = shading(j->r, s, &at, at.n_obj);
+            s->changing = s->S + fabsf(sheen_luminance(j->r->f->model.texture.rgb + at_view) * (s->E - 1));
             s->cosine = j->r->lights[s->view].cosine[texel->texel];
             s->r = sheen_luminance(j->r->views[s->view].rgb + at_view) - s->S -
                    mirrored(j->r, s, texel->texel);
             const float *along[2] = {texel->a, texel->b};
             for (int k = 0; k < 2; k++)
-                s->g[k] = (highlight_beside(j->r, s, &at, along[k], j->step_rad) - s->S) / j->step_rad;
+                s->g[k] = (light_beside(j->r, s, &at, along[k], j->step_rad) - s->S) / j->step_rad;
         }
     }
 }
@@ -185,7 +203,8 @@ static int is_out(const sheen_normal_sample *s, int fold_out, int n_folds)
 // Weight of a sample whose residual is r about D.
 static double weight_of(const sheen_normal_sample *s, double r)
 {
-    const double shade = (double)(doubt * s->S), noise2 = (double)(noise_lin * noise_lin) + shade * shade;
+    const double shade = (double)(doubt * s->changing),
+                 noise2 = (double)(noise_lin * noise_lin) + shade * shade;
     const double slope2 = (double)(s->g[0] * s->g[0] + s->g[1] * s->g[1]);
     const double usual2 = (double)(outlier_lin * outlier_lin) + noise2 + slope2 * (double)(off_rad * off_rad);
     return (double)s->cosine / (noise2 * (1 + 0.5 * r * r / usual2));
@@ -204,12 +223,12 @@ static int find_diffuse(double *D, const sheen_normal_sample *s, size_t n, size_
             if (is_out(&s[i], fold_out, n_folds))
                 continue;
             // At first by what is predicted of highlights alone
-            const double w = weight_of(&s[i], round ? (double)s[i].r - *D : 0);
-            sum += w * (double)s[i].r;
-            total += w;
+            const double E = (double)s[i].E, w = weight_of(&s[i], round ? (double)s[i].r - *D * E : 0);
+            sum += w * E * (double)s[i].r;
+            total += w * E * E;
             n_in++;
         }
-        if (n_in < n_least)
+        if (n_in < n_least || !(total > 0))
             return 0;
         *D = sum / total;
     }
@@ -227,16 +246,17 @@ static int make_row(sheen_normal_row *row, const sheen_normal_texel *texel, cons
         for (size_t i = 0; i < n; i++) {
             if (is_out(&s[i], fold_out, n_folds))
                 continue;
-            const double w = weight_of(&s[i], (double)s[i].r - D);
+            const double E = (double)s[i].E, w = weight_of(&s[i], (double)s[i].r - D * E);
             const double g[2] = {(double)s[i].g[0], (double)s[i].g[1]}, r = (double)s[i].r;
             if (!pass) {
-                total += w;
-                mean_r += w * r;
+                total += w * E * E;
+                mean_r += w * E * r;
                 for (int k = 0; k < 2; k++)
-                    mean_g[k] += w * g[k];
+                    mean_g[k] += w * E * g[k];
                 continue;
             }
-            const double x = g[0] - mean_g[0] / total, y = g[1] - mean_g[1] / total, z = r - mean_r / total;
+            const double x = g[0] - E * mean_g[0] / total, y = g[1] - E * mean_g[1] / total,
+                         z = r - E * mean_r / total;
             H[0] += w * x * x;
             H[1] += w * x * y;
             H[2] += w * y * y;
@@ -315,6 +335,7 @@ static void predict_texel(double *cost, const prediction_job *j, const sheen_nor
     for (size_t i = 0; i < n; i++) {
         const float S = highlight(j->r, &s[i], &at, at.n_obj);
         s[i].r += s[i].S - S;
+        s[i].E = shading(j->r, &s[i], &at, at.n_obj);
         s[i].g[0] = s[i].g[1] = 0;
     }
     if (!find_diffuse(&D, s, n, 2, j->fold_out, j->n_folds))
@@ -322,7 +343,7 @@ static void predict_texel(double *cost, const prediction_job *j, const sheen_nor
     for (size_t i = 0; i < n; i++) {
         if (!is_out(&s[i], j->fold_out, j->n_folds))
             continue;
-        const double z = ((double)s[i].r - D) / (double)outlier_lin;
+        const double z = ((double)s[i].r - D * (double)s[i].E) / (double)outlier_lin;
         *cost += (double)s[i].cosine * log1p(0.5 * z * z);
     }
 }

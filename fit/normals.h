@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// normals.h - the step of the refined method that estimates a normal map from the highlights.
+// normals.h - the step of the refined method that estimates a normal map from the highlights, and from the
+// shading where the object turned under its lights.
 #ifndef SHEEN_FIT_NORMALS_H
 #define SHEEN_FIT_NORMALS_H
 

@@ -52,6 +52,8 @@ typedef struct sheen_paper_fit {
     sheen_texel_view *views; // [n_views] texels of all photographs, where options->keep_texels asked for them
     float *
         texel_deviation; // [n_texels] standard deviation of each texel's luminance, NaN: unknown; NULL: the refined method's only
+    bool
+        lights_refuted; // lights were found, and photographs left out are predicted better without: the model has none
     sheen_align_result align; // the refined method's; views NULL: nothing was aligned
 } sheen_paper_fit;
 

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/pose3.h"
+#include "fit/dark_photos.h"
 #include "fit/rounds.h"
 
 static sheen_status load_photo(sheen_photo *p, const sheen_session *s, const sheen_frame_info *f,
@@ -141,6 +142,8 @@ sheen_status sheen_photos_load(sheen_photos *out, const sheen_session *s, sheen_
     }
     if (!st && !out->count)
         st = sheen_fail(err, SHEEN_EDATA, "'%s' has no %s frame with a pose", s->path, sheen_role_name(role));
+    if (!st && role == SHEEN_ROLE_INPUT)
+        st = sheen_photos_leave_out_dark(out, err);
 
 done:
     free(turned.frames);

@@ -26,9 +26,11 @@ typedef struct sheen_photos {
              // and here the camera stood in the first round (others: fit/rounds.h)
     sheen_photo *photos;
     size_t count;
+    size_t n_dark;      // input frames that were left out because they show nothing (dark_photos.h)
+    char dark_name[64]; // the first of them
 } sheen_photos;
 
-// All posed frames of a role, decoded. Frames without a pose are left out. EDATA: no camera, no poses or no
+// All posed frames of a role, decoded. Frames without a pose are left out, and input frames that are black. EDATA: no camera, no poses or no
 // frame yet (the sentence names the command that makes them), or the object turned and the camera moved as well; EFORMAT: a frame's size is not the camera's.
 sheen_status sheen_photos_load(sheen_photos *out, const sheen_session *s, sheen_role role,
                                const sheen_progress *progress, sheen_err *err);

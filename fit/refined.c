@@ -115,7 +115,7 @@ static sheen_status improve_once(sheen_refined_state *r, sheen_stopwatch *watch,
     if ((s = fit_diffuse(r, err)))
         return s;
     sheen_progress_timed(&r->o.progress, "texture and surroundings", watch);
-    if (r->round > 0 && !turned(r) && has(r, SHEEN_EXTENSION_NORMALS) && (s = bend_normals(r, err)))
+    if (r->round > 0 && has(r, SHEEN_EXTENSION_NORMALS) && (s = bend_normals(r, err)))
         return s;
     sheen_progress_timed(&r->o.progress, "normals", watch);
     return SHEEN_OK;
@@ -142,6 +142,8 @@ static sheen_status improve(sheen_refined_state *r, sheen_err *err)
     for (r->round = 0; r->round < SHEEN_REFINED_ROUNDS; r->round++)
         if ((s = improve_once(r, &watch, err)))
             return s;
+    if ((s = sheen_refined_prove(r, err)))
+        return s;
     return sheen_fill_holes(&m->texture, r->mesh, err);
 }
 

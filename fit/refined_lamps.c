@@ -77,7 +77,8 @@ static sheen_status fit_gloss(sheen_refined_state *r, sheen_lamp_samples *sample
     sheen_status s = sheen_lamp_predict(predicted, r->lamps.lamps, r->lamps.n, &r->lamps.lobe, samples, o,
                                         err);
     if (!s)
-        s = sheen_gloss_fit(gloss, &strength, samples, predicted, r->lamps.scale, err);
+        s = sheen_gloss_fit(gloss, &strength, samples, predicted, r->lamps.scale,
+                            r->f->model.moving == SHEEN_MOVING_OBJECT, err);
     free(predicted);
     if (s)
         return s;

@@ -59,4 +59,8 @@ sheen_status sheen_lamp_proof_take(sheen_lamp_proof *out, const sheen_refined_st
 // Nodes of the hemisphere and their lobe instead. consistency: share of the views that must agree on a node. EDATA: no highlight.
 sheen_status sheen_refined_nodes(sheen_refined_state *r, float consistency, sheen_err *err);
 
+// The end: lights, surroundings and normals go, and the texture is what it is without them, where photographs left out are predicted
+// better so (f->lights_refuted). Not of an object that turned: its lights make its texture, too. ENOMEM.
+sheen_status sheen_refined_prove(sheen_refined_state *r, sheen_err *err);
+
 #endif

@@ -2,12 +2,12 @@
 // bench_scenes.c - every method on exact scenes, a row each: what is recovered, and how well held-out views are predicted.
 //
 //     bench_scenes [--method NAME] [--seeds FIRST-LAST] [--size SHARE] [--but WHAT,...] [--without NAME,...]
-//                  [--brightness FACTOR] [--ablation] [--lamps] [--views N] [--turned HEIGHTS] [--pictures DIR] [SCENE...]
+//                  [--brightness FACTOR] [--ablation] [--lamps] [--views N] [--turned HEIGHTS] [--relief MM] [--pictures DIR] [SCENE...]
 //
 // --but takes a difficulty out of the scenes: near, discs, coloured, ggx, k_s-map, pose, normals. --without leaves extensions
 // (fit/extensions.h) out of the refined method; --ablation adds a row without each of them in turn. --brightness: of the lamps, 1 unless the scene has its own. --lamps lists the lamps
 // found, each beside the true light nearest to it. --views asks for so many photographs to fit instead of 8; with --turned
-// they are of an object that turns under its lights, seen by a camera at so many heights, one after the other.
+// they are of an object that turns under its lights, seen by a camera at so many heights, one after the other. --relief: the shortest waves of embossed, instead of 3 mm.
 //
 // Columns: sigma's error; lights found of six; worst direction (minutes of arc), distance and strength of those; PSNR of the
 // specular layer (linear) and of a black one; PSNR of the composite (sRGB), of the model's diffuse layer under the true
@@ -29,7 +29,7 @@ typedef struct arguments {
     const char *method, *pictures, *but;
     sheen_extensions without;
     int ablation, print_lamps, first, last;
-    double size, brightness;
+    double size, brightness, relief_mm;
     int n_inputs, n_heights; // 0: as the scene has them
 } arguments;
 
@@ -160,6 +160,7 @@ static void run_scene(const arguments *a, const char *name, int seed)
     o.size = a->size;
     if (a->brightness > 0)
         o.brightness = a->brightness;
+    o.relief_m = 1e-3 * a->relief_mm;
     o.n_inputs = (size_t)a->n_inputs;
     o.n_heights = (size_t)a->n_heights;
     ease(&o, a->but);
@@ -200,6 +201,8 @@ int main(int argc, char **argv)
             a.size = strtod(argv[++i], NULL);
         else if (!strcmp(argv[i], "--brightness") && i + 1 < argc)
             a.brightness = strtod(argv[++i], NULL);
+        else if (!strcmp(argv[i], "--relief") && i + 1 < argc)
+            a.relief_mm = strtod(argv[++i], NULL);
         else if (!strcmp(argv[i], "--views") && i + 1 < argc)
             a.n_inputs = (int)strtol(argv[++i], NULL, 10);
         else if (!strcmp(argv[i], "--turned") && i + 1 < argc)

@@ -43,6 +43,27 @@ static int moved(const char *path, const char *from_path, int length_px, bool ro
     return s != SHEEN_OK;
 }
 
+// A picture as a float file in which a pixel in 97 is no number, infinite or absurd; or one of which nothing is left.
+static int floats(const char *path, const char *from_path, int black)
+{
+    const float wrong[3] = {NAN, INFINITY, 1e30f};
+    sheen_err err;
+    sheen_raster from;
+    sheen_image light;
+    if (sheen_raster_load(&from, from_path, &err) ||
+        sheen_image_from_raster(&light, &from, SHEEN_TRANSFER_SRGB, &err))
+        return fprintf(stderr, "%s\n", err.msg), 1;
+    const size_t n = (size_t)from.width_px * (size_t)from.height_px;
+    for (size_t i = 0; i < 3 * n; i++)
+        light.data[i] = black ? 0 : i % 97 ? light.data[i] : wrong[i / 97 % 3];
+    const sheen_status s = black ? sheen_png_write_srgb(path, &light, &err)
+                                 : sheen_exr_write(path, &light, NULL, false, &err);
+    sheen_raster_release(&from);
+    sheen_image_release(&light);
+    return s != SHEEN_OK;
+}
+
+//     hot FILE.exr FROM                   black FILE.png FROM
 //     blurred FILE FROM LENGTH_PX         rolled FILE FROM LENGTH_PX
 //     picture FILE WIDTH HEIGHT SEED      flat FILE WIDTH HEIGHT      mask FILE WIDTH HEIGHT
 //     camera FILE WIDTH HEIGHT            poses FILE WIDTH HEIGHT NAME...
@@ -57,6 +78,8 @@ int main(int argc, char **argv)
     const char *kind = argv[1], *path = argv[2];
     if (!strcmp(kind, "blurred") || !strcmp(kind, "rolled"))
         return argc < 5 ? 2 : moved(path, argv[3], number(argv, argc, 4, 1), !strcmp(kind, "rolled"));
+    if (!strcmp(kind, "hot") || !strcmp(kind, "black"))
+        return argc < 4 ? 2 : floats(path, argv[3], !strcmp(kind, "black"));
     const int width_px = number(argv, argc, 3, 64), height_px = number(argv, argc, 4, 48);
     if (!strcmp(kind, "picture") || !strcmp(kind, "flat"))
         fixture_picture(path, width_px, height_px, (unsigned)number(argv, argc, 5, 1), !strcmp(kind, "flat"));

@@ -135,7 +135,7 @@ typedef struct stage {
     sheen_image *diffuse, *specular;
 } stage;
 
-// The slope of a relief of waves 3 to 6 mm long, on the true surface.
+// The slope of a relief of waves, on the true surface.
 static void emboss(float n[3], const exact_scene *s, const float p[3])
 {
     enum { WAVES = 8 };
@@ -143,11 +143,12 @@ static void emboss(float n[3], const exact_scene *s, const float p[3])
     if (!(s->o.relief_deg > 0))
         return;
     float slope[3] = {0, 0, 0};
+    const double shortest_m = s->o.relief_m > 0 ? s->o.relief_m : 0.003;
     for (int k = 0; k < WAVES; k++) {
         float wave[3];
         test_direction(wave, &seed);
         const float phase = (float)(2 * pi * test_random(&seed)),
-                    length_m = (float)(0.003 + 0.003 * test_random(&seed));
+                    length_m = (float)(shortest_m * (1 + test_random(&seed)));
         const float at = cosf((float)(2 * pi) / length_m * sheen_dotf(wave, p) + phase);
         for (int c = 0; c < 3; c++)
             slope[c] += at * wave[c];
@@ -188,6 +189,7 @@ static void irradiate(void *self, size_t begin, size_t end)
         for (size_t k = 0; k < N; k++) {
             int hidden[EXACT_LIGHTS];
             float *E = st->irradiance.rgb + 3 * (f * N + k);
+            emboss(n + 3 * k, st->s, p + 3 * k);
             find_hidden(hidden, st, p + 3 * k, n + 3 * k);
             E[0] = E[1] = E[2] = 0.3f + 0.1f * n[3 * k + 2];
             for (int i = 0; i < EXACT_LIGHTS; i++) {

@@ -31,6 +31,7 @@ typedef struct exact_options {
     double pose_px;        // rms image error of the poses handed out
     double normals_deg;    // rms error of the mesh's normals handed out, varying smoothly
     double relief_deg;     // rms slope of a relief that is in the true normals and not in the mesh handed out
+    double relief_m;       // its shortest waves; the longest are twice as long. 0: 3 mm
     double drift_ev;       // exposures differ by up to this, either way
     double white_balance;  // red and blue gains differ by up to this share, either way
     double size;           // of the pictures: 1 is 1280 x 960; 0: 1

@@ -55,7 +55,7 @@ static void paints_of_several_glosses(void **state)
         sheen_err err;
         double strength;
         make(&m, share, spoiled ? 0.1 : 0);
-        assert_ok(sheen_gloss_fit(&g, &strength, &m.samples, m.predicted, 0.01, &err), err);
+        assert_ok(sheen_gloss_fit(&g, &strength, &m.samples, m.predicted, 0.01, false, &err), err);
         for (int paint = 0; paint < PAINTS; paint++)
             for (float light = 0.8f; light < 1.4f; light += 0.25f)
                 assert_close(strength * gloss_of(&g, paint, light), share[paint], 0.05);
@@ -73,13 +73,35 @@ static void one_gloss_stays_one(void **state)
     sheen_err err;
     double strength;
     make(&m, share, 0.05);
-    assert_ok(sheen_gloss_fit(&g, &strength, &m.samples, m.predicted, 0.01, &err), err);
+    assert_ok(sheen_gloss_fit(&g, &strength, &m.samples, m.predicted, 0.01, false, &err), err);
     assert_int_equal(g.n, 0);
     assert_close(gloss_of(&g, 1, 1), 1, 0);
     assert_close(strength, 1, 0);
     memset(m.predicted, 0, sizeof m.predicted); // no highlight anywhere
-    assert_ok(sheen_gloss_fit(&g, &strength, &m.samples, m.predicted, 0.01, &err), err);
+    assert_ok(sheen_gloss_fit(&g, &strength, &m.samples, m.predicted, 0.01, false, &err), err);
     assert_int_equal(g.n, 0);
+    sheen_lamp_samples_release(&m.samples);
+}
+
+// What colours predict better by less than a fifth is not believed of an object that turned.
+static void errors_of_albedo_are_no_gloss(void **state)
+{
+    (void)state;
+    static const double alike[PAINTS] = {1, 0.992, 1, 0.992, 1}, several[PAINTS] = {1, 0.5, 0.2, 0.5, 0};
+    made m;
+    sheen_gloss g;
+    sheen_err err;
+    double strength;
+    make(&m, alike, 0);
+    assert_ok(sheen_gloss_fit(&g, &strength, &m.samples, m.predicted, 0.01, false, &err), err);
+    assert_true(g.n > 1);
+    assert_ok(sheen_gloss_fit(&g, &strength, &m.samples, m.predicted, 0.01, true, &err), err);
+    assert_int_equal(g.n, 0);
+    sheen_lamp_samples_release(&m.samples);
+    make(&m, several, 0);
+    assert_ok(sheen_gloss_fit(&g, &strength, &m.samples, m.predicted, 0.01, true, &err), err);
+    for (int paint = 0; paint < PAINTS; paint++)
+        assert_close(strength * gloss_of(&g, paint, 1), several[paint], 0.05);
     sheen_lamp_samples_release(&m.samples);
 }
 
@@ -100,6 +122,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(paints_of_several_glosses),
         cmocka_unit_test(one_gloss_stays_one),
+        cmocka_unit_test(errors_of_albedo_are_no_gloss),
         cmocka_unit_test(weights_are_those_of_the_formula),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

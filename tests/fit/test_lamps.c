@@ -171,6 +171,25 @@ static void clipped_highlights(void **state)
     sheen_lamp_samples_release(&samples);
 }
 
+// Most lit samples are bounds, which hold for any lamp that is bright enough: the noise is to be told from the others.
+static void highlights_of_which_most_is_clipped(void **state)
+{
+    (void)state;
+    stage st = near_and_far();
+    st.white = 0.15;
+    sheen_lamp_samples samples;
+    sheen_lamp_list list;
+    take_samples(&samples, &st);
+    size_t n_clipped = 0;
+    for (size_t i = 0; i < samples.count; i++)
+        n_clipped += samples.at[i].clipped;
+    assert_true(2 * n_clipped > samples.n_lit);
+    find(&list, &st, &samples, 2);
+    check(&list, &st, 0.2);
+    assert_true(list.scale < 2 * st.noise);
+    sheen_lamp_samples_release(&samples);
+}
+
 static void heavy_tails_and_fresnel(void **state)
 {
     (void)state;
@@ -251,8 +270,11 @@ static void curved_pixels(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(near_far_disc_and_colour),        cmocka_unit_test(clipped_highlights),
-        cmocka_unit_test(heavy_tails_and_fresnel),         cmocka_unit_test(curved_pixels),
+        cmocka_unit_test(near_far_disc_and_colour),
+        cmocka_unit_test(clipped_highlights),
+        cmocka_unit_test(highlights_of_which_most_is_clipped),
+        cmocka_unit_test(heavy_tails_and_fresnel),
+        cmocka_unit_test(curved_pixels),
         cmocka_unit_test(what_one_view_claims_is_no_lamp),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
