@@ -80,7 +80,8 @@ static sheen_status run(sheen_cli *cli, sheen_err *err)
         return st;
     st = sheen_cli_view_open(&v, &s, err);
     if (!st) {
-        st = sheen_model_stand_still(&v.model, 0, err); // no format of others has light on the diffuse part
+        if (made->make != sheen_export_page) // no format of others has light on the diffuse part
+            st = sheen_model_stand_still(&v.model, 0, err);
         if (!st)
             st = made->make(cli, &a, &s, &v, err);
         sheen_cli_view_close(&v);

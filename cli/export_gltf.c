@@ -203,7 +203,8 @@ sheen_status sheen_export_gltf(sheen_cli *cli, const sheen_export_args *a, const
                             .max_triangles = MAX_TRIANGLES,
                             .max_side_px = MAX_SIDE_PX,
                             .jpeg_quality = QUALITY,
-                            .n_lights = a->n_lights};
+                            .n_lights = a->n_lights,
+                            .n_threads = a->n_threads};
     sheen_status st = beside(panorama, a->output, "-environment.hdr", err);
     if (!st)
         st = beside(reference, a->output, "-reference.png", err);

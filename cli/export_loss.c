@@ -17,6 +17,19 @@ static sheen_status draw(sheen_layers *out, const sheen_export_views *v, const s
     return sheen_draw(out, d, &v->photos.cam, photo->rt_cam_obj, photo->rt_world_obj, &v->options, err);
 }
 
+// One sample a pixel shows the outermost one wholly or not at all, and a mesh that was simplified by a tenth of a pixel
+// would be told by those: pixels count whose neighbours are the object, too.
+static int is_inside(const sheen_image *coverage, int x, int y)
+{
+    if (x < 1 || y < 1 || x >= coverage->width_px - 1 || y >= coverage->height_px - 1)
+        return 0;
+    for (int dy = -1; dy <= 1; dy++)
+        for (int dx = -1; dx <= 1; dx++)
+            if (!(*sheen_image_at(coverage, x + dx, y + dy) > 0.999f))
+                return 0;
+    return 1;
+}
+
 static sheen_status open_view(sheen_export_views *v, const sheen_drawing *d, size_t i, sheen_err *err)
 {
     const sheen_photo *photo = &v->photos.photos[v->i_photo[i]];
@@ -24,10 +37,12 @@ static sheen_status open_view(sheen_export_views *v, const sheen_drawing *d, siz
     const sheen_status s = draw(&layers, v, d, i, err);
     if (s)
         return s;
-    const size_t n = (size_t)layers.coverage.width_px * (size_t)layers.coverage.height_px;
+    const int width_px = layers.coverage.width_px;
+    const size_t n = (size_t)width_px * (size_t)layers.coverage.height_px;
     v->select[i] = calloc(n, 1);
     for (size_t k = 0; v->select[i] && k < n; k++)
-        v->select[i][k] = layers.coverage.data[k] > 0.999f &&
+        v->select[i][k] = is_inside(&layers.coverage, (int)(k % (size_t)width_px),
+                                    (int)(k / (size_t)width_px)) &&
                           (!photo->mask.data || photo->mask.data[k] > 0.5f);
     v->drawn[i] = layers.composite;
     layers.composite = (sheen_image){0};

@@ -8,13 +8,15 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/vec.h"
 #include "cli/export_loss.h"
 #include "cli/page_photos.h"
 #include "cli/viewer_html.h"
 #include "render/pack_avif.h"
+#include "render/simpler_model.h"
 
 // The finest and the coarsest code that is tried; what is coarser than that is worse than fewer texels.
-enum { FINEST = 4, COARSEST = 44 };
+enum { FINEST = 4, COARSEST = 44, LEAST_TRIANGLES = 1000 };
 
 // A finished page, with the parts that it is made of.
 typedef struct made_page {
@@ -28,6 +30,9 @@ typedef struct exporting {
     const sheen_export_args *args;
     const sheen_progress *progress;
     const sheen_model *model;
+    sheen_model
+        simpler; // of fewer triangles than the model, where its mesh alone would fill a page; else none
+    double moved_m, moved_px; // by that; pixels of a photograph
     sheen_page_view view;
     char title[256];
     char *more; // first view and photographs, JSON
@@ -88,13 +93,39 @@ static sheen_status choose_quantizer(made_page *best, exporting *e, const sheen_
     return s;
 }
 
+// A mesh that would fill most of a page by itself is simplified until it takes an eighth of it, and its new normal map as much.
+static sheen_status simplify(exporting *e, sheen_err *err)
+{
+    static const double most_share = 0.6, wanted_share = 0.12, least_bytes = 5; // a triangle, in base64
+    const double most_bytes = 1e3 * e->args->max_size_kb, n = (double)e->model->mesh.n_triangles;
+    made_page whole;
+    if (e->args->quantizer >= 0 || n * least_bytes < most_share * most_bytes)
+        return SHEEN_OK;
+    const sheen_status s = make_page(&whole, e, e->model, COARSEST, err);
+    if (s)
+        return s;
+    const double geometry_bytes = 4.0 / 3 * (double)whole.page.geometry_bytes;
+    made_page_release(&whole);
+    if (geometry_bytes <= most_share * most_bytes)
+        return SHEEN_OK;
+    const size_t n_wanted = (size_t)(n * wanted_share * most_bytes / geometry_bytes);
+    return sheen_simpler_model_make(
+        &e->simpler, e->model, n_wanted > LEAST_TRIANGLES ? n_wanted : LEAST_TRIANGLES, &e->moved_m, err);
+}
+
+static const sheen_model *shown_model(const exporting *e)
+{
+    return e->simpler.mesh.n_triangles ? &e->simpler : e->model;
+}
+
 // As many texels as still fit at the coarsest code.
 static sheen_status choose(made_page *best, exporting *e, sheen_err *err)
 {
-    const sheen_texture *whole = &e->model->texture;
+    const sheen_model *model = shown_model(e);
+    const sheen_texture *whole = &model->texture;
     int texels = e->args->texels_per_edge ? e->args->texels_per_edge : whole->texels_per_edge;
     for (;;) {
-        sheen_model packed = *e->model;
+        sheen_model packed = *model;
         sheen_status s = sheen_texture_resample(&packed.texture, whole, texels, err);
         if (s)
             return s;
@@ -109,7 +140,7 @@ static sheen_status choose(made_page *best, exporting *e, sheen_err *err)
 }
 
 // Draws what the page's bytes hold, and compares.
-static sheen_status measure(sheen_export_loss *loss, const exporting *e, const sheen_session *session,
+static sheen_status measure(sheen_export_loss *loss, exporting *e, const sheen_session *session,
                             const sheen_page *page, sheen_err *err)
 {
     sheen_export_views views;
@@ -117,6 +148,8 @@ static sheen_status measure(sheen_export_loss *loss, const exporting *e, const s
     sheen_status s = sheen_export_views_open(&views, session, e->model, e->args->n_threads, e->progress, err);
     if (s)
         return s;
+    const double *t_m = views.photos.photos[0].rt_cam_obj + 3;
+    e->moved_px = e->moved_m * views.photos.cam.intrinsics[0] / sheen_norm(t_m);
     s = sheen_page_unpack(&shown, NULL, page, err);
     if (!s) {
         s = sheen_export_measure(loss, &views, &shown, err);
@@ -126,11 +159,21 @@ static sheen_status measure(sheen_export_loss *loss, const exporting *e, const s
     return s;
 }
 
-static void say(sheen_cli *cli, const sheen_export_args *a, const made_page *p, const sheen_export_loss *loss)
+static void say(sheen_cli *cli, const sheen_export_args *a, const exporting *e, const made_page *p,
+                const sheen_export_loss *loss)
 {
     const double loss_db = loss->full_db - loss->packed_db;
+    const sheen_model *shown = shown_model(e);
     sheen_cli_clear_bar(cli);
     sheen_cli_say(cli, "%s: %.0f kB", a->output, (double)p->size_bytes / 1e3);
+    if (shown == &e->simpler) {
+        sheen_cli_say(cli,
+                      "  simplified from %zu triangles to %zu: the surface moved by up to about %.2g mm, "
+                      "%.1f px of a photograph",
+                      e->model->mesh.n_triangles, shown->mesh.n_triangles, 1e3 * e->moved_m, e->moved_px);
+        sheen_json_put_number(&cli->out, "moved_m", e->moved_m);
+    }
+    sheen_json_put_int(&cli->out, "triangles", (long long)shown->mesh.n_triangles);
     sheen_cli_say(cli,
                   "  mesh and lights %.0f kB, texture of %d texels an edge %.0f kB (quantizer %d), board "
                   "%.0f kB, before base64",
@@ -204,17 +247,23 @@ sheen_status sheen_export_page(sheen_cli *cli, const sheen_export_args *a, const
     sheen_export_page_view(&e.view, v);
     sheen_status st = tell_more(&e, s, v, err);
     if (!st)
+        st = simplify(&e, err);
+    if (!st)
         st = choose(&best, &e, err);
-    free(e.more);
-    if (st)
+    if (st) {
+        free(e.more);
+        sheen_simpler_model_release(&e.simpler);
         return st;
+    }
     st = measure(&loss, &e, s, &best.page, err);
     if (!st)
         st = sheen_file_write(a->output, best.text, best.size_bytes, err);
     if (!st)
-        say(cli, a, &best, &loss);
+        say(cli, a, &e, &best, &loss);
     if (!st && a->n_photographs)
         sheen_cli_say(cli, "  photographs %.0f kB", (double)e.more_bytes / 1e3);
     made_page_release(&best);
+    sheen_simpler_model_release(&e.simpler);
+    free(e.more);
     return st;
 }

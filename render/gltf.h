@@ -5,9 +5,10 @@
 // sigma (lamps' lobe with its tail: a wider one). Of k_S and the lights only the product is known; the surface is given the reflectance f0 = 0.04 of glass and
 // paint, and k_S over it goes into the panorama's radiance (panorama.h). The paper's lobe has no Fresnel term:
 // KHR_materials_specular with the factor f0 and the colour 1 / 0.04 makes the reflectance f0 at all angles; a model with
-// surroundings keeps glTF's own Fresnel term. The global texture is light that left the surface; divided by the irradiance
+// surroundings keeps glTF's own Fresnel term and its own reflectance. The global texture is light that left the surface; divided by the irradiance
 // of the panorama it becomes base colour, so that in this panorama the object looks as in the photographs, and in others
-// as it would there. What glTF cannot say: shadows and mirrored images of the object itself.
+// as it would there. Shadows on highlights and mirrored images of the object itself, which glTF cannot say, are met on average
+// (gltf_specular.h). A normal map becomes normalTexture in tangent space, with tangents (gltf_surface.h).
 #ifndef SHEEN_RENDER_GLTF_H
 #define SHEEN_RENDER_GLTF_H
 
@@ -26,6 +27,7 @@ typedef struct sheen_gltf_options {
     int max_side_px;            // of the texture
     int jpeg_quality;
     int n_lights; // KHR_lights_punctual: the strongest groups of lights, at most this many; 0: none
+    int n_threads;
 } sheen_gltf_options;
 
 typedef struct sheen_gltf {
@@ -33,6 +35,9 @@ typedef struct sheen_gltf {
     size_t glb_bytes;
     sheen_image panorama;
     sheen_surface_picture surface; // mesh and base colour (linear) as the file has them
+    float *tangent;                // [charts' vertices][4], frame obj; NULL: none
+    sheen_image normals;           // in tangent space, 0..1; no data: none
+    sheen_image specular; // weight of what is mirrored, three times, to SHEEN_GLTF_MOST_WEIGHT; no data: 1
     size_t n_triangles;
     int side_px, n_lights;
     double roughness, f0, specular_factor, specular_colour;
@@ -47,9 +52,6 @@ typedef struct sheen_gltf {
 sheen_status sheen_gltf_make(sheen_gltf *out, const sheen_model *model, const sheen_gltf_options *options,
                              sheen_err *err);
 void sheen_gltf_release(sheen_gltf *g);
-
-// Light of the panorama that falls on each vertex of a mesh in frame obj, [n_vertices][3]. The caller frees *out. ENOMEM.
-sheen_status sheen_gltf_irradiance(float **out, const sheen_gltf *g, const sheen_mesh *mesh, sheen_err *err);
 
 #ifdef __cplusplus
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gltf_write.c - glTF 2.0 binary: a JSON chunk, then a chunk of positions, normals, texture coordinates, corners, JPEG.
+// gltf_write.c - glTF 2.0 binary: a JSON chunk, then a chunk of positions, normals, texture coordinates, tangents, corners, pictures.
 #include "render/gltf_write.h"
 
 #include <math.h>
@@ -18,11 +18,14 @@ enum {
 };
 enum { ARRAY_BUFFER = 34962, ELEMENT_BUFFER = 34963, FLOATS = 5126, WORDS = 5125, TRIANGLES = 4 };
 enum { LINEAR = 9729, LINEAR_MIPMAPS = 9987, CLAMP = 33071 };
-enum { POSITION, NORMAL, PLACE, CORNERS, PICTURE, N_VIEWS };
+// What a file holds, in this order, as far as there is something.
+enum { POSITION, NORMAL, PLACE, TANGENT, CORNERS, COLOURS, NORMALS, SPECULAR, N_VIEWS };
 
 typedef struct writing {
     const sheen_gltf_parts *parts;
     size_t at[N_VIEWS + 1]; // where each buffer view begins; the last: the end
+    int number
+        [N_VIEWS]; // of the buffer view, among those that there are; of attributes and corners the accessor's, too
     float low[3], high[3];
 } writing;
 
@@ -34,23 +37,33 @@ static void position_of(float p_gltf[3], const sheen_gltf_parts *g, size_t i)
                             g->R_gltf_obj[k][2] * (double)p[2] + g->t_gltf_obj[k]);
 }
 
-static void normal_of(float n_gltf[3], const sheen_gltf_parts *g, size_t i)
+static void turned(float v_gltf[3], const sheen_gltf_parts *g, const float v_obj[3])
 {
-    const float *n = g->mesh->n_obj + 3 * (size_t)g->charts->vertex[i];
     for (int k = 0; k < 3; k++)
-        n_gltf[k] = (float)(g->R_gltf_obj[k][0] * (double)n[0] + g->R_gltf_obj[k][1] * (double)n[1] +
-                            g->R_gltf_obj[k][2] * (double)n[2]);
-    if (!(sheen_normalizef(n_gltf) > 0))
-        n_gltf[1] = 1;
+        v_gltf[k] = (float)(g->R_gltf_obj[k][0] * (double)v_obj[0] + g->R_gltf_obj[k][1] * (double)v_obj[1] +
+                            g->R_gltf_obj[k][2] * (double)v_obj[2]);
+    if (!(sheen_normalizef(v_gltf) > 0))
+        v_gltf[1] = 1;
 }
 
 static void lay_out(writing *w)
 {
     const sheen_gltf_parts *g = w->parts;
     const size_t n = g->charts->n_vertices;
-    const size_t sizes[N_VIEWS] = {12 * n, 12 * n, 8 * n, 12 * g->charts->n_triangles, g->jpeg_bytes};
-    for (int i = 0; i < N_VIEWS; i++)
+    const size_t sizes[N_VIEWS] = {12 * n,
+                                   12 * n,
+                                   8 * n,
+                                   g->tangent ? 16 * n : 0,
+                                   12 * g->charts->n_triangles,
+                                   g->jpeg_bytes,
+                                   g->normals ? g->normals_bytes : 0,
+                                   g->specular ? g->specular_bytes : 0};
+    int number = 0;
+    for (int i = 0; i < N_VIEWS; i++) {
+        w->number[i] = number;
+        number += sizes[i] > 0;
         w->at[i + 1] = w->at[i] + sizes[i];
+    }
     for (int k = 0; k < 3; k++) {
         w->low[k] = INFINITY;
         w->high[k] = -INFINITY;
@@ -87,18 +100,22 @@ static void put_buffers(sheen_json_writer *j, const writing *w)
 {
     const size_t n = w->parts->charts->n_vertices;
     sheen_json_open(j, "accessors", '[');
-    put_accessor(j, POSITION, FLOATS, n, "VEC3", w);
-    put_accessor(j, NORMAL, FLOATS, n, "VEC3", NULL);
-    put_accessor(j, PLACE, FLOATS, n, "VEC2", NULL);
-    put_accessor(j, CORNERS, WORDS, 3 * w->parts->charts->n_triangles, "SCALAR", NULL);
+    put_accessor(j, w->number[POSITION], FLOATS, n, "VEC3", w);
+    put_accessor(j, w->number[NORMAL], FLOATS, n, "VEC3", NULL);
+    put_accessor(j, w->number[PLACE], FLOATS, n, "VEC2", NULL);
+    if (w->parts->tangent)
+        put_accessor(j, w->number[TANGENT], FLOATS, n, "VEC4", NULL);
+    put_accessor(j, w->number[CORNERS], WORDS, 3 * w->parts->charts->n_triangles, "SCALAR", NULL);
     sheen_json_close(j);
     sheen_json_open(j, "bufferViews", '[');
     for (int i = 0; i < N_VIEWS; i++) {
+        if (w->at[i + 1] == w->at[i])
+            continue;
         sheen_json_open(j, NULL, '{');
         sheen_json_put_int(j, "buffer", 0);
         sheen_json_put_int(j, "byteOffset", (long long)w->at[i]);
         sheen_json_put_int(j, "byteLength", (long long)(w->at[i + 1] - w->at[i]));
-        if (i != PICTURE)
+        if (i <= CORNERS)
             sheen_json_put_int(j, "target", i == CORNERS ? ELEMENT_BUFFER : ARRAY_BUFFER);
         sheen_json_close(j);
     }
@@ -111,31 +128,61 @@ static void put_buffers(sheen_json_writer *j, const writing *w)
     sheen_json_close(j);
 }
 
-static void put_material(sheen_json_writer *j, const sheen_gltf_parts *g)
+static void put_texture(sheen_json_writer *j, const char *name, int index)
 {
+    sheen_json_open(j, name, '{');
+    sheen_json_put_int(j, "index", index);
+    sheen_json_close(j);
+}
+
+static void put_images(sheen_json_writer *j, const writing *w)
+{
+    sheen_json_open(j, "textures", '[');
+    for (int i = COLOURS; i < N_VIEWS; i++) {
+        if (w->at[i + 1] == w->at[i])
+            continue;
+        sheen_json_open(j, NULL, '{');
+        sheen_json_put_int(j, "sampler", 0);
+        sheen_json_put_int(j, "source", w->number[i] - w->number[COLOURS]);
+        sheen_json_close(j);
+    }
+    sheen_json_close(j);
+    sheen_json_open(j, "images", '[');
+    for (int i = COLOURS; i < N_VIEWS; i++) {
+        if (w->at[i + 1] == w->at[i])
+            continue;
+        sheen_json_open(j, NULL, '{');
+        sheen_json_put_int(j, "bufferView", w->number[i]);
+        sheen_json_put_string(j, "mimeType", i == COLOURS ? "image/jpeg" : "image/png");
+        sheen_json_close(j);
+    }
+    sheen_json_close(j);
+}
+
+static void put_material(sheen_json_writer *j, const writing *w)
+{
+    const sheen_gltf_parts *g = w->parts;
     const double colour[3] = {g->specular_colour, g->specular_colour, g->specular_colour};
     sheen_json_open(j, "materials", '[');
     sheen_json_open(j, NULL, '{');
     sheen_json_put_string(j, "name", g->title);
     sheen_json_open(j, "pbrMetallicRoughness", '{');
-    sheen_json_open(j, "baseColorTexture", '{');
-    sheen_json_put_int(j, "index", 0);
-    sheen_json_close(j);
+    put_texture(j, "baseColorTexture", 0);
     sheen_json_put_number(j, "metallicFactor", 0);
     sheen_json_put_number(j, "roughnessFactor", g->roughness);
     sheen_json_close(j);
+    if (g->normals)
+        put_texture(j, "normalTexture", w->number[NORMALS] - w->number[COLOURS]);
     sheen_json_open(j, "extensions", '{');
     sheen_json_open(j, "KHR_materials_specular", '{');
     sheen_json_put_number(j, "specularFactor", g->specular_factor);
+    if (g->specular)
+        put_texture(j, "specularTexture", w->number[SPECULAR] - w->number[COLOURS]);
     sheen_json_put_numbers(j, "specularColorFactor", colour, 3);
+    if (g->specular)
+        put_texture(j, "specularColorTexture", w->number[SPECULAR] - w->number[COLOURS]);
     sheen_json_close(j);
     sheen_json_close(j);
-    sheen_json_close(j);
-    sheen_json_close(j);
-    sheen_json_open(j, "textures", '[');
-    sheen_json_open(j, NULL, '{');
-    sheen_json_put_int(j, "sampler", 0);
-    sheen_json_put_int(j, "source", 0);
     sheen_json_close(j);
     sheen_json_close(j);
     sheen_json_open(j, "samplers", '[');
@@ -146,27 +193,25 @@ static void put_material(sheen_json_writer *j, const sheen_gltf_parts *g)
     sheen_json_put_int(j, "wrapT", CLAMP);
     sheen_json_close(j);
     sheen_json_close(j);
-    sheen_json_open(j, "images", '[');
-    sheen_json_open(j, NULL, '{');
-    sheen_json_put_int(j, "bufferView", PICTURE);
-    sheen_json_put_string(j, "mimeType", "image/jpeg");
-    sheen_json_close(j);
-    sheen_json_close(j);
+    put_images(j, w);
 }
 
-static void put_mesh(sheen_json_writer *j, const sheen_gltf_parts *g)
+static void put_mesh(sheen_json_writer *j, const writing *w)
 {
+    const sheen_gltf_parts *g = w->parts;
     sheen_json_open(j, "meshes", '[');
     sheen_json_open(j, NULL, '{');
     sheen_json_put_string(j, "name", g->title);
     sheen_json_open(j, "primitives", '[');
     sheen_json_open(j, NULL, '{');
     sheen_json_open(j, "attributes", '{');
-    sheen_json_put_int(j, "POSITION", POSITION);
-    sheen_json_put_int(j, "NORMAL", NORMAL);
-    sheen_json_put_int(j, "TEXCOORD_0", PLACE);
+    sheen_json_put_int(j, "POSITION", w->number[POSITION]);
+    sheen_json_put_int(j, "NORMAL", w->number[NORMAL]);
+    sheen_json_put_int(j, "TEXCOORD_0", w->number[PLACE]);
+    if (g->tangent)
+        sheen_json_put_int(j, "TANGENT", w->number[TANGENT]);
     sheen_json_close(j);
-    sheen_json_put_int(j, "indices", CORNERS);
+    sheen_json_put_int(j, "indices", w->number[CORNERS]);
     sheen_json_put_int(j, "material", 0);
     sheen_json_put_int(j, "mode", TRIANGLES);
     sheen_json_close(j);
@@ -254,8 +299,8 @@ static void put_json(sheen_json_writer *j, const writing *w)
         sheen_json_put_string(j, NULL, "KHR_lights_punctual");
     sheen_json_close(j);
     put_scene(j, g);
-    put_mesh(j, g);
-    put_material(j, g);
+    put_mesh(j, w);
+    put_material(j, w);
     put_buffers(j, w);
     put_lights(j, g);
     sheen_json_close(j);
@@ -286,14 +331,24 @@ static void put_bin(uint8_t *to, const writing *w)
         float p[3], n[3];
         const float uv[2] = {g->charts->q_px[2 * i] / side_px, g->charts->q_px[2 * i + 1] / side_px};
         position_of(p, g, i);
-        normal_of(n, g, i);
+        turned(n, g, g->mesh->n_obj + 3 * (size_t)g->charts->vertex[i]);
         put_floats(to + w->at[POSITION] + 12 * i, p, 3);
         put_floats(to + w->at[NORMAL] + 12 * i, n, 3);
         put_floats(to + w->at[PLACE] + 8 * i, uv, 2);
+        if (g->tangent) {
+            float tangent[4];
+            turned(tangent, g, g->tangent + 4 * i);
+            tangent[3] = g->tangent[4 * i + 3];
+            put_floats(to + w->at[TANGENT] + 16 * i, tangent, 4);
+        }
     }
     for (size_t i = 0; i < 3 * g->charts->n_triangles; i++)
         put_u32(to + w->at[CORNERS] + 4 * i, g->charts->triangles[i]);
-    memcpy(to + w->at[PICTURE], g->jpeg, g->jpeg_bytes);
+    memcpy(to + w->at[COLOURS], g->jpeg, g->jpeg_bytes);
+    if (g->normals)
+        memcpy(to + w->at[NORMALS], g->normals, g->normals_bytes);
+    if (g->specular)
+        memcpy(to + w->at[SPECULAR], g->specular, g->specular_bytes);
 }
 
 sheen_status sheen_gltf_write(uint8_t **glb, size_t *glb_bytes, const sheen_gltf_parts *parts, sheen_err *err)

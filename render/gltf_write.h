@@ -14,6 +14,7 @@ typedef struct sheen_gltf_light {
     double direction[3]; // towards it
     double position[3];
     double rgb[3], intensity; // candela of a point light, else lux
+    double radius_rad;        // of the largest that it stands for; not written
 } sheen_gltf_light;
 
 typedef struct sheen_gltf_parts {
@@ -24,6 +25,10 @@ typedef struct sheen_gltf_parts {
     const double *t_gltf_obj;
     const uint8_t *jpeg;
     size_t jpeg_bytes;
+    const float *tangent; // [charts' vertices][4], frame obj; NULL: none
+    const uint8_t *normals,
+        *specular; // PNG: normalTexture, specularTexture and specularColorTexture; NULL: none
+    size_t normals_bytes, specular_bytes;
     double roughness, specular_factor, specular_colour;
     const sheen_gltf_light *lights;
     size_t n_lights;

@@ -65,11 +65,6 @@ sheen_lobe_shape sheen_model_lobe(const sheen_model *m);
 // Highlights of all lights times rgb.
 void sheen_model_scale_highlights(sheen_model *m, const double rgb[3]);
 
-// For formats without a normal map: *out is m, lent, with the map's mean offsets in its mesh's vertex normals and no map. *n_obj: those normals (free
-// them), NULL where m has no map. ENOMEM.
-sheen_status sheen_model_with_vertex_normals(sheen_model *out, float **n_obj, const sheen_model *m,
-                                             sheen_err *err);
-
 // Into a folder (an unfinished model/ that the caller renames to its place): model.json and texture.exr. s:
 // the session whose mesh was fitted; its digest goes into model.json. `extra` (may be NULL) adds members to
 // model.json: the fit's report.

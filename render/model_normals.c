@@ -1,30 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // model_normals.c - the member "normals" of model.json, and the picture normals.exr that it names.
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/image_file.h"
 #include "render/model_private.h"
 
 static const char normals_file[] = "normals.exr";
-
-sheen_status sheen_model_with_vertex_normals(sheen_model *out, float **n_obj, const sheen_model *m,
-                                             sheen_err *err)
-{
-    *out = *m;
-    *n_obj = NULL;
-    if (!m->normals.n_triangles)
-        return SHEEN_OK;
-    const size_t n = 3 * m->mesh.n_vertices;
-    *n_obj = malloc(n * sizeof **n_obj);
-    if (!*n_obj)
-        return sheen_fail_memory(err, (double)(n * sizeof **n_obj), "normals");
-    sheen_normal_map_vertices(*n_obj, &m->mesh, &m->normals);
-    out->mesh.n_obj = *n_obj;
-    out->normals = (sheen_texture){0};
-    return SHEEN_OK;
-}
 
 void sheen_model_put_normals(sheen_json_writer *w, const sheen_model *m)
 {

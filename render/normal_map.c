@@ -10,16 +10,6 @@
 
 enum { MAX_TEXELS = SHEEN_TEXTURE_MAX_EDGE * (SHEEN_TEXTURE_MAX_EDGE + 1) / 2 };
 
-void sheen_tangents(float a[3], float b[3], const float m[3])
-{
-    float axis[3] = {0, 0, 0};
-    const float x = fabsf(m[0]), y = fabsf(m[1]), z = fabsf(m[2]);
-    axis[x <= y && x <= z ? 0 : y <= z ? 1 : 2] = 1;
-    sheen_crossf(a, axis, m);
-    sheen_normalizef(a);
-    sheen_crossf(b, m, a);
-}
-
 sheen_status sheen_normal_map_init(sheen_texture *normals, size_t n_triangles, int texels_per_edge,
                                    sheen_err *err)
 {
@@ -69,33 +59,6 @@ void sheen_normal_map_surface(const sheen_mesh *mesh, const sheen_texture *norma
         sheen_normal_map_bend(n_obj, normals, hit);
 }
 
-void sheen_normal_map_vertices(float *n_obj, const sheen_mesh *mesh, const sheen_texture *normals)
-{
-    const int last = normals->texels_per_edge - 1;
-    const float *d = normals->rgb;
-    memset(n_obj, 0, 3 * mesh->n_vertices * sizeof *n_obj);
-    for (size_t f = 0; f < normals->n_triangles; f++) {
-        float sum[3][3] = {{0}}, total = 0; // offsets by closeness to each corner, cubed
-        for (int j = 0; j <= last; j++)
-            for (int i = 0; i + j <= last; i++, d += 3) {
-                const float at[3] = {(float)(last - i - j), (float)i, (float)j};
-                total += at[0] * at[0] * at[0];
-                for (int corner = 0; corner < 3; corner++)
-                    for (int c = 0; c < 3; c++)
-                        sum[corner][c] += at[corner] * at[corner] * at[corner] * d[c];
-            }
-        for (size_t corner = 0; corner < 3; corner++) {
-            const size_t v = mesh->triangles[3 * f + corner];
-            for (size_t c = 0; c < 3;
-                 c++) // so many times m + d: the sum over the triangles points along their mean
-                n_obj[3 * v + c] += mesh->n_obj[3 * v + c] + sum[corner][c] / total;
-        }
-    }
-    for (size_t v = 0; v < mesh->n_vertices; v++)
-        if (!(sheen_normalizef(n_obj + 3 * v) > 0))
-            memcpy(n_obj + 3 * v, mesh->n_obj + 3 * v, 3 * sizeof *n_obj);
-}
-
 static void convert(sheen_texture *normals, const sheen_mesh *mesh, int to_tangents)
 {
     const int edge = normals->texels_per_edge;
@@ -105,7 +68,7 @@ static void convert(sheen_texture *normals, const sheen_mesh *mesh, int to_tange
         sheen_texture_lattice(mesh, f, edge, p, m);
         for (size_t k = 0; k < per_triangle; k++) {
             float a[3], b[3], *d = normals->rgb + 3 * (f * per_triangle + k);
-            sheen_tangents(a, b, m + 3 * k);
+            sheen_axes_aboutf(a, b, m + 3 * k);
             const float u = to_tangents ? sheen_dotf(d, a) : d[0], v = to_tangents ? sheen_dotf(d, b) : d[1];
             for (int c = 0; c < 3; c++)
                 d[c] = u * a[c] + v * b[c];

@@ -3,7 +3,7 @@
 //
 // A map is a texture (texture.h) whose rgb is d in frame obj, radians for small angles: it needs no tangent frame to be
 // interpolated, and shared edge texels keep it free of seams. Its texels an edge are its own. n_triangles 0: there is none, and
-// n = m. Files hold the two parts of d across m, in the frame that sheen_tangents makes from m alone.
+// n = m. Files hold the two parts of d across m, in the frame that sheen_axes_aboutf (base/vec.h) makes from m alone.
 #ifndef SHEEN_RENDER_NORMAL_MAP_H
 #define SHEEN_RENDER_NORMAL_MAP_H
 
@@ -15,9 +15,6 @@ extern "C" {
 
 // |d| is held to this: 45 degrees.
 #define SHEEN_NORMAL_MAP_MOST 1.0f
-
-// Unit a and b square to the unit normal m: a = e x m / |e x m|, e the axis of m's smallest component (the first of equals), b = m x a.
-void sheen_tangents(float a[3], float b[3], const float m[3]);
 
 // No offsets. EARG, ENOMEM.
 sheen_status sheen_normal_map_init(sheen_texture *normals, size_t n_triangles, int texels_per_edge,
@@ -33,9 +30,6 @@ void sheen_normal_map_lattice(const sheen_mesh *mesh, const sheen_texture *norma
 // sheen_hit_surface with bent normals.
 void sheen_normal_map_surface(const sheen_mesh *mesh, const sheen_texture *normals, const sheen_hit *hit,
                               const double p_camera_obj[3], float p_obj[3], float n_obj[3], float v_obj[3]);
-
-// The mesh's vertex normals bent by the means of the offsets about them: what a format without a map can show. n_obj: [n_vertices][3], caller's.
-void sheen_normal_map_vertices(float *n_obj, const sheen_mesh *mesh, const sheen_texture *normals);
 
 // To and from the two numbers a texel has in a file: rgb = (d.a, d.b, 0), n_views as it is. In place.
 void sheen_normal_map_to_tangents(sheen_texture *normals, const sheen_mesh *mesh);

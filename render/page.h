@@ -41,7 +41,7 @@ typedef struct sheen_page_words {
 
 void sheen_page_release(sheen_page *page);
 
-// Positions in 16 bits of the mesh's box, normals in 2 x 16 bits; the texture as it is (resample it first) in 8 bits,
+// Positions in 16 bits of the mesh's box, normals in 2 x 16 bits, the normal map to an eighth of sigma; the texture as it is (resample it first) in 8 bits,
 // clipped to 0..1, and then coded as finely as the quantizer says. Numbers and lights stay as they are. EARG: nothing
 // to pack, too much for a page, or a number that is not finite; ENOMEM.
 sheen_status sheen_page_pack(sheen_page *out, const sheen_model *model, const sheen_page_view *view,

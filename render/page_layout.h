@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "render/texture.h"
+#include "render/page_normals.h"
 
 #define SHEEN_PAGE_SCHEMA "sheen-page"
 
@@ -26,11 +26,13 @@ static inline size_t sheen_page_seen_bytes(size_t n_triangles, int texels_per_ed
     return (n_triangles * sheen_texels_per_triangle(texels_per_edge) + 7) / 8;
 }
 
-// Of what follows the JSON text.
-static inline size_t sheen_page_surface_bytes(size_t n_vertices, size_t n_triangles, int texels_per_edge)
+// Of what follows the JSON text. normals_texels_per_edge: 0 where there is no normal map.
+static inline size_t sheen_page_surface_bytes(size_t n_vertices, size_t n_triangles, int texels_per_edge,
+                                              int normals_texels_per_edge)
 {
     return SHEEN_PAGE_VERTEX_BYTES * n_vertices + SHEEN_PAGE_TRIANGLE_BYTES * n_triangles +
-           sheen_page_seen_bytes(n_triangles, texels_per_edge);
+           sheen_page_seen_bytes(n_triangles, texels_per_edge) +
+           sheen_page_normals_bytes(n_triangles, normals_texels_per_edge);
 }
 
 #endif

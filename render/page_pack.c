@@ -16,6 +16,7 @@
 #include "render/pack_avif.h"
 #include "render/pack_deflate.h"
 #include "render/page_layout.h"
+#include "render/page_normals.h"
 
 typedef struct packing {
     const sheen_model *model;
@@ -73,6 +74,10 @@ static void put_numbers(sheen_json_writer *w, const packing *p, const sheen_page
     if (is_filled(&m->texture))
         sheen_json_put_bool(w, "filled", true);
     sheen_json_put_int(w, "columns", columns);
+    if (m->normals.n_triangles) {
+        sheen_json_put_int(w, "normals_texels_per_edge", m->normals.texels_per_edge);
+        sheen_json_put_number(w, "normals_step_rad", sheen_page_normals_step(m->sigma_rad));
+    }
     sheen_json_put_numbers(w, "rt_board_obj", view->rt_board_obj, 6);
     sheen_json_put_number(w, "focal_per_width", view->focal_per_width);
     for (int side = 0; side < 2; side++) {
@@ -108,38 +113,14 @@ static void order_vertices(packing *p)
         }
 }
 
-static float sign_of(float x)
-{
-    return x < 0 ? -1.0f : 1.0f;
-}
-
-static uint16_t to_u16(float x) // 0..1
-{
-    return (uint16_t)(fminf(fmaxf(x, 0), 1) * 65535.0f + 0.5f);
-}
-
-// The sphere onto a square by the octahedron.
-static void normal_code(uint16_t code[2], const float n[3])
-{
-    const float l1 = fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]);
-    float u = l1 > 0 ? n[0] / l1 : 0, v = l1 > 0 ? n[1] / l1 : 0;
-    if (n[2] < 0) {
-        const float folded = (1 - fabsf(v)) * sign_of(u);
-        v = (1 - fabsf(u)) * sign_of(v);
-        u = folded;
-    }
-    code[0] = to_u16(0.5f * u + 0.5f);
-    code[1] = to_u16(0.5f * v + 0.5f);
-}
-
 static void vertex_code(uint16_t code[5], const packing *p, size_t vertex)
 {
     const float *x = p->model->mesh.p_obj + 3 * vertex;
     for (int k = 0; k < 3; k++) {
         const float extent = p->max_obj[k] - p->min_obj[k];
-        code[k] = extent > 0 ? to_u16((x[k] - p->min_obj[k]) / extent) : 0;
+        code[k] = extent > 0 ? sheen_page_u16((x[k] - p->min_obj[k]) / extent) : 0;
     }
-    normal_code(code + 3, p->model->mesh.n_obj + 3 * vertex);
+    sheen_page_normal_code(code + 3, p->model->mesh.n_obj + 3 * vertex);
 }
 
 static void put_vertices(packing *p)
@@ -150,9 +131,7 @@ static void put_vertices(packing *p)
         uint16_t code[5];
         vertex_code(code, p, p->old_of[i]);
         for (size_t k = 0; k < 5; k++) {
-            const uint16_t difference = (uint16_t)(code[k] - last[k]);
-            // Small differences of either sign become small numbers: 0 -1 1 -2 2 as 0 1 2 3 4.
-            const uint16_t folded = (uint16_t)((uint16_t)(difference << 1) ^ (difference >> 15 ? 0xffff : 0));
+            const uint16_t folded = sheen_page_fold((uint16_t)(code[k] - last[k]));
             p->at[2 * k * n + i] = (uint8_t)folded;
             p->at[(2 * k + 1) * n + i] = (uint8_t)(folded >> 8);
         }
@@ -187,13 +166,35 @@ static void put_seen(packing *p)
     p->at += size_bytes;
 }
 
+// Against the vertex normals as the reader will have them.
+static sheen_status put_normals(packing *p, sheen_err *err)
+{
+    const sheen_texture *normals = &p->model->normals;
+    sheen_mesh mesh = p->model->mesh;
+    if (!normals->n_triangles)
+        return SHEEN_OK;
+    const size_t n_bytes = (3 * mesh.n_vertices + 1) * sizeof *mesh.n_obj;
+    if (!(mesh.n_obj = malloc(n_bytes)))
+        return sheen_fail_memory(err, (double)n_bytes, "normals");
+    for (size_t i = 0; i < mesh.n_vertices; i++) {
+        uint16_t code[2];
+        sheen_page_normal_code(code, p->model->mesh.n_obj + 3 * i);
+        sheen_page_normal_of(mesh.n_obj + 3 * i, code);
+    }
+    sheen_page_normals_put(p->at, normals, &mesh, sheen_page_normals_step(p->model->sigma_rad));
+    p->at += sheen_page_normals_bytes(mesh.n_triangles, normals->texels_per_edge);
+    free(mesh.n_obj);
+    return SHEEN_OK;
+}
+
 static sheen_status pack_surface(sheen_page *out, packing *p, const char *json, sheen_err *err)
 {
     const sheen_mesh *mesh = &p->model->mesh;
     const size_t json_bytes = strlen(json),
                  size_bytes = SHEEN_PAGE_HEADER_BYTES + json_bytes +
                               sheen_page_surface_bytes(mesh->n_vertices, mesh->n_triangles,
-                                                       p->model->texture.texels_per_edge);
+                                                       p->model->texture.texels_per_edge,
+                                                       p->model->normals.texels_per_edge);
     p->at = p->bytes = malloc(size_bytes);
     if (!p->bytes || json_bytes > UINT32_MAX)
         return sheen_fail_memory(err, (double)size_bytes, "a packed model");
@@ -204,8 +205,9 @@ static sheen_status pack_surface(sheen_page *out, packing *p, const char *json, 
     put_vertices(p);
     put_triangles(p);
     put_seen(p);
-    assert(p->at == p->bytes + size_bytes);
-    return sheen_deflate(&out->geometry, &out->geometry_bytes, p->bytes, size_bytes, err);
+    const sheen_status s = put_normals(p, err);
+    assert(s || p->at == p->bytes + size_bytes);
+    return s ? s : sheen_deflate(&out->geometry, &out->geometry_bytes, p->bytes, size_bytes, err);
 }
 
 static sheen_status pack_geometry(sheen_page *out, const sheen_model *m, const sheen_page_view *view,
@@ -295,6 +297,9 @@ static sheen_status check(const sheen_model *m, const sheen_page_view *view, she
     const sheen_mesh *mesh = &m->mesh;
     if (!mesh->n_triangles || m->texture.n_triangles != mesh->n_triangles)
         return sheen_fail(err, SHEEN_EARG, "a page wants a mesh of triangles with a texture for each");
+    if (m->normals.n_triangles && m->normals.n_triangles != mesh->n_triangles)
+        return sheen_fail(err, SHEEN_EARG, "the normal map has %zu triangles, the mesh %zu",
+                          m->normals.n_triangles, mesh->n_triangles);
     if (mesh->n_vertices > SHEEN_PAGE_MAX_VERTICES || mesh->n_triangles > SHEEN_PAGE_MAX_TRIANGLES)
         return sheen_fail(err, SHEEN_EARG,
                           "%zu triangles are too many for a page (at most %d); fit with a mesh of fewer",
@@ -314,17 +319,12 @@ static sheen_status check(const sheen_model *m, const sheen_page_view *view, she
 sheen_status sheen_page_pack(sheen_page *out, const sheen_model *model, const sheen_page_view *view,
                              const sheen_page_options *options, sheen_err *err)
 {
-    sheen_model plain;
-    float *n_obj = NULL;
     *out = (sheen_page){0};
     sheen_status s = check(model, view, err);
     if (!s)
         s = sheen_model_check(model, SHEEN_EARG, err);
     if (!s)
-        s = sheen_model_with_vertex_normals(&plain, &n_obj, model, err);
-    if (!s)
-        s = pack_geometry(out, &plain, view, err);
-    free(n_obj);
+        s = pack_geometry(out, model, view, err);
     if (!s)
         s = pack_texture(out, &model->texture, options, err);
     if (!s)

@@ -20,6 +20,8 @@ typedef struct unpacking {
     size_t n_vertices, n_triangles;
     bool filled;                                          // unseen texels have a colour
     int texels_per_edge, board_width_px, board_height_px; // 0 x 0: no board
+    int normals_texels_per_edge;                          // 0: no normal map
+    double normals_step_rad;
 } unpacking;
 
 static sheen_status damaged(sheen_err *err)
@@ -52,6 +54,13 @@ static sheen_status get_sizes(unpacking *u, const sheen_json *root, sheen_err *e
     u->filled = sheen_json_get(root, "filled") != NULL;
     sheen_texture_atlas_size(u->n_triangles, u->texels_per_edge, &want_columns, &width_px, &height_px);
     if (columns != want_columns)
+        return damaged(err);
+    if (sheen_json_get(root, "normals_texels_per_edge") &&
+        ((s = sheen_json_int(root, "normals_texels_per_edge", SHEEN_TEXTURE_MIN_EDGE, SHEEN_TEXTURE_MAX_EDGE,
+                             &u->normals_texels_per_edge, err)) ||
+         (s = sheen_json_number(root, "normals_step_rad", &u->normals_step_rad, err))))
+        return s;
+    if (!(u->normals_step_rad >= 0 && u->normals_step_rad <= 1))
         return damaged(err);
     if (!sheen_json_get(root, "board_size_px"))
         return SHEEN_OK;
@@ -99,20 +108,11 @@ static sheen_status get_header(sheen_model *m, sheen_page_view *view, unpacking 
         s = get_numbers(m, view, u, root, err);
     sheen_json_free(&root);
     u->at += json_bytes;
-    if (!s && rest_bytes - json_bytes !=
-                  sheen_page_surface_bytes(u->n_vertices, u->n_triangles, u->texels_per_edge))
+    if (!s &&
+        rest_bytes - json_bytes != sheen_page_surface_bytes(u->n_vertices, u->n_triangles, u->texels_per_edge,
+                                                            u->normals_texels_per_edge))
         s = damaged(err);
     return s;
-}
-
-static void normal_of(float n[3], const uint16_t code[2])
-{
-    const float u = (float)code[0] / 65535.0f * 2 - 1, v = (float)code[1] / 65535.0f * 2 - 1;
-    n[2] = 1 - fabsf(u) - fabsf(v);
-    const float below = fmaxf(-n[2], 0);
-    n[0] = u + (u < 0 ? below : -below);
-    n[1] = v + (v < 0 ? below : -below);
-    sheen_normalizef(n);
 }
 
 static void get_vertices(sheen_mesh *mesh, unpacking *u)
@@ -121,14 +121,14 @@ static void get_vertices(sheen_mesh *mesh, unpacking *u)
     uint16_t code[5] = {0};
     for (size_t i = 0; i < n; i++) {
         for (size_t k = 0; k < 5; k++) {
-            const uint32_t folded = u->at[2 * k * n + i] | (uint32_t)u->at[(2 * k + 1) * n + i] << 8;
-            code[k] = (uint16_t)(code[k] + ((folded >> 1) ^ (folded & 1 ? 0xffffu : 0u)));
+            const uint16_t folded = (uint16_t)(u->at[2 * k * n + i] | u->at[(2 * k + 1) * n + i] << 8);
+            code[k] = (uint16_t)(code[k] + sheen_page_unfold(folded));
         }
         for (size_t k = 0; k < 3; k++) {
             const float low = (float)u->min_obj[k], high = (float)u->max_obj[k];
             mesh->p_obj[3 * i + k] = low + (high - low) * ((float)code[k] / 65535.0f);
         }
-        normal_of(mesh->n_obj + 3 * i, code + 3);
+        sheen_page_normal_of(mesh->n_obj + 3 * i, code + 3);
     }
     u->at += SHEEN_PAGE_VERTEX_BYTES * n;
 }
@@ -185,6 +185,18 @@ static sheen_status get_texture(sheen_texture *t, unpacking *u, const sheen_page
         if (!t->n_views[i] && !u->filled) // its colour served the coding only
             memset(t->rgb + 3 * i, 0, 3 * sizeof *t->rgb);
     }
+    u->at += sheen_page_seen_bytes(u->n_triangles, u->texels_per_edge);
+    return s;
+}
+
+static sheen_status get_normals(sheen_model *m, unpacking *u, sheen_err *err)
+{
+    if (!u->normals_texels_per_edge)
+        return SHEEN_OK;
+    const sheen_status s = sheen_normal_map_init(&m->normals, u->n_triangles, u->normals_texels_per_edge,
+                                                 err);
+    if (!s)
+        sheen_page_normals_get(&m->normals, u->at, &m->mesh, u->normals_step_rad);
     return s;
 }
 
@@ -222,6 +234,8 @@ sheen_status sheen_page_unpack(sheen_model *out, sheen_page_view *view, const sh
         s = get_mesh(&out->mesh, &u, err);
     if (!s)
         s = get_texture(&out->texture, &u, page, err);
+    if (!s)
+        s = get_normals(out, &u, err);
     if (!s)
         s = get_board(&out->surroundings.board, &u, page, err);
     free(bytes);

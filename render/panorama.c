@@ -27,6 +27,25 @@ double sheen_panorama_pixel_sr(const sheen_image *panorama, int y)
     return 2 * pi / panorama->width_px * (sin(top) - sin(top - step));
 }
 
+// The picture's right side meets its left one.
+void sheen_panorama_at(float rgb[3], const sheen_image *panorama, const float v_env[3])
+{
+    const float turns = atan2f(v_env[2], v_env[0]) / (float)(2 * pi),
+                height = asinf(fmaxf(-1, fminf(1, v_env[1]))) / (float)pi;
+    const float x = (turns + 0.5f) * (float)panorama->width_px - 0.5f,
+                y = (0.5f - height) * (float)panorama->height_px - 0.5f, left = floorf(x), top = floorf(y);
+    rgb[0] = rgb[1] = rgb[2] = 0;
+    for (int dy = 0; dy < 2; dy++)
+        for (int dx = 0; dx < 2; dx++) {
+            const int w = panorama->width_px, h = panorama->height_px, row = (int)top + dy;
+            const float *from = sheen_image_at(panorama, ((int)left + dx + w) % w,
+                                               row < 0 ? 0 : (row < h ? row : h - 1));
+            const float share = (dx ? x - left : 1 - x + left) * (dy ? y - top : 1 - y + top);
+            for (int c = 0; c < 3; c++)
+                rgb[c] += share * from[c];
+        }
+}
+
 // Adds to the pixels whose centres lie in a disc (rgb NULL: to none), and returns the solid angle of those.
 static double splat(sheen_image *img, const float l_env[3], float least_cosine, const float rgb[3])
 {

@@ -25,6 +25,8 @@ sheen_status sheen_panorama_add_lights(sheen_image *panorama, const sheen_model 
 // Unit direction of a pixel's centre, and the solid angle of a pixel of that row.
 void sheen_panorama_direction(float v_env[3], const sheen_image *panorama, int x, int y);
 double sheen_panorama_pixel_sr(const sheen_image *panorama, int y);
+// Radiance from a unit direction, between four pixels.
+void sheen_panorama_at(float rgb[3], const sheen_image *panorama, const float v_env[3]);
 
 // Light that falls on a surface with each of n normals, [n][3] to [n][3]: the integral of radiance times cosine. ENOMEM.
 sheen_status sheen_panorama_irradiance(float *rgb, const float *n_env, size_t n, const sheen_image *panorama,

@@ -15,6 +15,7 @@ void sheen_surface_picture_release(sheen_surface_picture *p)
     sheen_mesh_release(&p->mesh);
     sheen_charts_release(&p->charts);
     sheen_image_release(&p->rgb);
+    sheen_image_release(&p->n_obj);
     free(p->places);
     free(p->known);
     *p = (sheen_surface_picture){.places = NULL};
@@ -68,8 +69,9 @@ static sheen_hit original_at(const sheen_mesh *mesh, const sheen_scene *scene, c
 
 static sheen_status sample(sheen_surface_picture *p, const sheen_model *model, sheen_err *err)
 {
+    static const double nowhere[3] = {0, 0, 0};
     sheen_scene *scene = NULL;
-    float centre[3], radius_m;
+    float centre[3], radius_m, p_obj[3], v_obj[3];
     sheen_mesh_sphere(&model->mesh, centre, &radius_m);
     const float reach_m = fmaxf(4 * (float)p->moved_m, 5e-3f * radius_m);
     const int simpler = p->mesh.n_triangles != model->mesh.n_triangles;
@@ -85,6 +87,9 @@ static sheen_status sample(sheen_surface_picture *p, const sheen_model *model, s
             continue;
         const sheen_hit hit = simpler ? original_at(&p->mesh, scene, at, reach_m)
                                       : (sheen_hit){.triangle = at->triangle, .b1 = at->b1, .b2 = at->b2};
+        if (p->n_obj.data && hit.triangle != SHEEN_NO_HIT)
+            sheen_normal_map_surface(&model->mesh, &model->normals, &hit, nowhere, p_obj,
+                                     p->n_obj.data + 3 * i, v_obj);
         p->known[i] = hit.triangle != SHEEN_NO_HIT &&
                       sheen_texture_sample(&model->texture, &hit, p->rgb.data + 3 * i) > 0.5f;
     }
@@ -104,6 +109,8 @@ sheen_status sheen_surface_picture_make(sheen_surface_picture *out, const sheen_
         s = sheen_charts_make(&out->charts, &out->mesh, texel_m, max_side_px, err);
     if (!s)
         s = sheen_image_init(&out->rgb, out->charts.side_px, out->charts.side_px, 3, err);
+    if (!s && model->normals.n_triangles)
+        s = sheen_image_init(&out->n_obj, out->charts.side_px, out->charts.side_px, 3, err);
     if (!s) {
         const size_t n = (size_t)out->charts.side_px * (size_t)out->charts.side_px;
         out->places = malloc(n * sizeof *out->places);

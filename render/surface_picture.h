@@ -15,8 +15,10 @@ typedef struct sheen_surface_picture {
     sheen_charts charts;
     sheen_chart_place *places; // [side_px][side_px]
     sheen_image rgb;           // linear; black where not known
-    uint8_t *known;            // [side_px][side_px] 1 where a photograph saw it
-    double moved_m;            // by simplifying
+    sheen_image
+        n_obj; // the normal map's unit normals, zero where there is nothing; no data where there is no map
+    uint8_t *known; // [side_px][side_px] 1 where a photograph saw it
+    double moved_m; // by simplifying
 } sheen_surface_picture;
 
 // Texels as large as the global texture's on average, where max_side_px permits. EARG, ENOMEM, EUNSUP.

@@ -9,9 +9,7 @@ export function drawHemisphere(canvas: HTMLCanvasElement, model: Model, view: Vi
     if (!context) return;
     const middle = canvas.width / 2;
     const edge = middle - 8;
-    // Lights that stand before the camera are seen along its axis: right and up as in the picture.
-    const onMap = (d: number[]): [number, number] => {
-        const [x, y, z] = model.objectMoves ? [d[0], -d[1], -d[2]] : d;
+    const onMap = ([x, y, z]: number[]): [number, number] => {
         const across = Math.hypot(x, y);
         const distance = (Math.atan2(across, z) / (Math.PI / 2)) * edge;
         return across > 0 ? [middle + (x / across) * distance, middle - (y / across) * distance] : [middle, middle];
@@ -30,7 +28,7 @@ export function drawHemisphere(canvas: HTMLCanvasElement, model: Model, view: Vi
     const most = lights.reduce((a, b) => Math.max(a, b.weight), 0) || 1;
     lights.forEach(({ weight, direction: [x, y, z] }) => {
         const [c, s] = [Math.cos(angle), Math.sin(angle)];
-        const turned = model.objectMoves ? [c * x - s * z, y, s * x + c * z] : [c * x - s * y, s * x + c * y, z];
+        const turned = [c * x - s * y, s * x + c * y, z];
         const [px, py] = onMap(turned);
         context.fillStyle = `rgb(255 240 200 / ${Math.max(0.15, Math.sqrt(weight / most))})`;
         context.beginPath();

@@ -54,9 +54,11 @@ class Page {
         addEventListener("hashchange", () => this.show(this.fromAddress()));
         this.connectPhotographs();
         this.followServer();
-        this.canvas.addEventListener("webglcontextlost", (event) => {
-            event.preventDefault();
-            fail("The browser took the graphics away. Reload the page to see the object again.");
+        this.canvas.addEventListener("webglcontextlost", () => fail("The browser took the graphics away. The object comes back with them; if it does not, reload the page."));
+        this.canvas.addEventListener("webglcontextrestored", () => {
+            this.stage.restore();
+            root.dataset.state = "ready";
+            this.show({ ...this.view });
         });
         this.fillForm();
         // The first picture is drawn here, so that a shader that does not compile is noticed.
@@ -127,6 +129,8 @@ class Page {
     }
 
     private frame(now: number): void {
+        requestAnimationFrame((next) => this.frame(next));
+        if (this.stage.lost) return;
         const elapsed = this.last ? (now - this.last) / 1000 : 0;
         this.last = now;
         if (this.stage.resize()) this.show(this.view);
@@ -143,7 +147,6 @@ class Page {
                 this.keepAddress();
             }
         }
-        requestAnimationFrame((next) => this.frame(next));
     }
 
     private keepAddress(): void {

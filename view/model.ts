@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // model.ts - the packed model of the page, read (docs/viewer.md is the format; render/page_unpack.c its other reader).
 
+import { type NormalMap, readNormalMap } from "./normals";
+
 export interface Model {
     nTriangles: number;
     position: Float32Array; // [nTriangles][3][3], frame of the object, metres
     normal: Float32Array;
+    normalMap: NormalMap | null;
     texelsPerEdge: number;
     columns: number; // blocks in a row of the atlas
     width: number; // of the atlas, px
@@ -22,7 +25,9 @@ export interface Model {
     lamps: Lamps | null;
     gloss: { width: number; colours: number[][] } | null; // how strongly each colour of texture shines (render/gloss.h)
     surroundings: Surroundings | null;
-    worldFromObj: number[]; // Rodrigues vector, translation
+    irradiance: Irradiance | null; // where there is one, the texture is an albedo (render/irradiance.h)
+    worldFromObj: number[]; // Rodrigues vector, translation; in the first photograph
+    worldFromCam: number[]; // of lights that stand still before the camera
     boardFromObj: number[];
     focalPerWidth: number;
     centre: number[]; // of the object, in its frame
@@ -42,6 +47,12 @@ export interface Lamps {
     tail: number;
     fresnel: number;
     lights: Lamp[];
+}
+
+// Light on the texture of an object that turned.
+export interface Irradiance {
+    harmonics: number[][]; // 9 of rgb
+    lamps: { direction: number[]; rgb: number[]; perMetre: number }[]; // frame of the lights
 }
 
 // What is mirrored besides the lights (render/surroundings.h).
@@ -73,6 +84,7 @@ function fromBase64(id: string): Uint8Array<ArrayBuffer> {
 const mostBytes = 256 * 1024 * 1024; // inflated
 const mostNodes = 400 * 400 * 10; // of a hemisphere of the finest lattice (render/geodesic.h)
 const mostLamps = 4096; // render/model.h
+export const mostSuns = 24; // render/irradiance.h
 
 // The whole stream, unless it holds more than mostBytes: deflate can hide a thousand times its size.
 async function inflate(packed: Uint8Array<ArrayBuffer>): Promise<Uint8Array> {
@@ -178,6 +190,8 @@ interface Numbers {
     texels_per_edge: number;
     filled?: boolean;
     columns: number;
+    normals_texels_per_edge?: number;
+    normals_step_rad?: number;
     rt_board_obj: number[];
     focal_per_width: number;
     min_obj: number[];
@@ -187,6 +201,8 @@ interface Numbers {
     model: {
         moving: string;
         rt_world_obj: number[];
+        rt_world_cam?: number[];
+        irradiance?: { harmonics_rgb: number[][]; lamps: number[][] };
         n_hemisphere: number;
         nodes: { radiance: number[]; direction_world: number[][] };
         k_s: number;
@@ -222,6 +238,11 @@ function atLeast0(x: unknown): boolean {
     return Number.isFinite(x) && (x as number) >= 0;
 }
 
+function irradianceIsGood({ harmonics_rgb, lamps }: NonNullable<Numbers["model"]["irradiance"]>): boolean {
+    const lists = Array.isArray(harmonics_rgb) && harmonics_rgb.length <= 9 && Array.isArray(lamps) && lamps.length <= mostSuns;
+    return lists && harmonics_rgb.every((x) => vector(x, 3)) && lamps.every((x) => vector(x, 7));
+}
+
 function readNumbers(text: Uint8Array): Numbers {
     let n: Numbers;
     try {
@@ -238,6 +259,10 @@ function readNumbers(text: Uint8Array): Numbers {
         vector(m?.rt_world_obj, 6) && atLeast0(m.k_s) && m.sigma_rad >= 1e-5 && m.sigma_rad <= 2 && vector(m.light_rgb, 3) && m.n_hemisphere > 0 && m.n_hemisphere <= mostNodes &&
         Array.isArray(m.nodes?.radiance) && m.nodes.direction_world?.length === m.nodes.radiance.length && m.nodes.radiance.length <= m.n_hemisphere &&
         (!around || (around.f0 >= 0 && around.f0 <= 1 && vector(around.table_rgb, 3) && around.ambient_rgb?.length === 9 && around.ambient_rgb.every((x) => vector(x, 3)))) &&
+        (n.normals_texels_per_edge === undefined ||
+            (Number.isSafeInteger(n.normals_texels_per_edge) && n.normals_texels_per_edge >= 2 && n.normals_texels_per_edge <= 64 && atLeast0(n.normals_step_rad))) &&
+        (m.rt_world_cam === undefined || vector(m.rt_world_cam, 6)) &&
+        (!m.irradiance || irradianceIsGood(m.irradiance)) &&
         (!m.gloss || (positive(m.gloss.width) && m.gloss.colours?.length <= 32 && m.gloss.colours.every((x) => vector(x, 4)))) &&
         (!around?.board || (positive(around.board.pitch_m) && vector(n.board_size_px, 2) && Number.isFinite(n.board_white)));
     if (!good) throw damaged();
@@ -269,6 +294,15 @@ function readLamps(model: Numbers["model"]): Lamps | null {
         return { direction: l.direction_world.map((x) => x / length), perMetre: l.inverse_distance_per_m, radius: l.radius_rad, rgb: l.rgb };
     });
     return { origin: lamps.origin_world, tail: lamps.tail, fresnel: lamps.fresnel, lights };
+}
+
+function readIrradiance({ irradiance }: Numbers["model"]): Irradiance | null {
+    return irradiance
+        ? {
+              harmonics: Array.from({ length: 9 }, (_, k) => irradiance.harmonics_rgb[k] ?? [0, 0, 0]),
+              lamps: irradiance.lamps.map((x) => ({ direction: x.slice(0, 3), rgb: x.slice(3, 6), perMetre: x[6] })),
+          }
+        : null;
 }
 
 async function readPicture(id: string, width: number, height: number): Promise<ImageBitmap> {
@@ -319,13 +353,17 @@ export async function readModel(progress: (share: number) => Promise<void>): Pro
     const { n_vertices: nVertices, n_triangles: nTriangles, texels_per_edge: texelsPerEdge, model } = numbers;
     const size = atlasSize(nTriangles, texelsPerEdge);
     const nTexels = nTriangles * ((texelsPerEdge * (texelsPerEdge + 1)) / 2);
-    if (numbers.columns !== size.columns || bytes.length !== at + 10 * nVertices + 9 * nTriangles + Math.ceil(nTexels / 8)) throw damaged();
+    const perEdge = numbers.normals_texels_per_edge ?? 0;
+    const normalBytes = 4 * nTriangles * ((perEdge * (perEdge + 1)) / 2);
+    if (numbers.columns !== size.columns || bytes.length !== at + 10 * nVertices + 9 * nTriangles + Math.ceil(nTexels / 8) + normalBytes) throw damaged();
 
     const [low, high] = [numbers.min_obj, numbers.max_obj];
     const vertices = readVertices(take(10 * nVertices), nVertices, low, high);
     await progress(0.4);
     const expanded = expand(take(9 * nTriangles), nTriangles, vertices);
     const seen = readSeen(take(Math.ceil(nTexels / 8)), nTriangles, texelsPerEdge);
+    await progress(0.5);
+    const normalMap = perEdge ? readNormalMap(take(normalBytes), expanded.normal, perEdge, numbers.normals_step_rad ?? 0) : null;
     await progress(0.6);
     const centre = low.map((x, k) => 0.5 * (x + high[k]));
     let radius = 0;
@@ -336,6 +374,7 @@ export async function readModel(progress: (share: number) => Promise<void>): Pro
     return {
         nTriangles,
         ...expanded,
+        normalMap,
         texelsPerEdge,
         ...size,
         filled: numbers.filled === true,
@@ -350,7 +389,9 @@ export async function readModel(progress: (share: number) => Promise<void>): Pro
         lamps: readLamps(model),
         gloss: model.gloss ?? null,
         surroundings: await readSurroundings(numbers),
+        irradiance: readIrradiance(model),
         worldFromObj: model.rt_world_obj,
+        worldFromCam: model.rt_world_cam ?? [0, 0, 0, 0, 0, 0],
         boardFromObj: numbers.rt_board_obj,
         focalPerWidth: numbers.focal_per_width,
         centre,

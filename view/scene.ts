@@ -36,10 +36,10 @@ import {
 import { makeBvh } from "./bvh";
 import { type Cells, makeCells } from "./cells";
 import { lampTable } from "./lamps";
-import { type Model, ModelError } from "./model";
+import { type Model, ModelError, mostSuns } from "./model";
 import type { More } from "./more";
 import { addShader, coverShader, encodeShader, fragmentShader, vertexShader } from "./shader";
-import { poseOf, type View } from "./view";
+import { poseOf, rotation, type View } from "./view";
 
 const tableWidth = 1024;
 const background = 0.03;
@@ -67,12 +67,13 @@ function rangeTexture(cells: Cells): DataTexture {
     return plain(new DataTexture(cells.range, side, side, RGFormat, FloatType));
 }
 
-// A list of four numbers each, in rows of tableWidth.
-function tableTexture(list: Float32Array): DataTexture {
-    const rows = Math.max(1, Math.ceil(list.length / 4 / tableWidth));
-    const data = new Float32Array(4 * tableWidth * rows);
+// A list of four numbers each, in rows of tableWidth; words are half floats.
+function tableTexture(list: Float32Array | Uint16Array): DataTexture {
+    const n = 4 * tableWidth * Math.max(1, Math.ceil(list.length / 4 / tableWidth));
+    const isFloat = list instanceof Float32Array;
+    const data = isFloat ? new Float32Array(n) : new Uint16Array(n);
     data.set(list);
-    return plain(new DataTexture(data, tableWidth, rows, RGBAFormat, FloatType));
+    return plain(new DataTexture(data, tableWidth, n / 4 / tableWidth, RGBAFormat, isFloat ? FloatType : HalfFloatType));
 }
 
 const shadowless = 1e30;
@@ -81,7 +82,8 @@ const negligible = 2e-4; // as render/shade.c
 // What the shader wants to know of shadows and surroundings.
 function surroundingsUniforms(model: Model): RawShaderMaterial["uniforms"] {
     const around = model.surroundings;
-    const bvh = model.shadows || around ? makeBvh(model.position) : null;
+    const light = model.irradiance;
+    const bvh = model.shadows || around || light?.lamps.length ? makeBvh(model.position) : null;
     const board = around?.board;
     const picture = board ? plain(new Texture(board.picture)) : null;
     if (picture) {
@@ -96,12 +98,18 @@ function surroundingsUniforms(model: Model): RawShaderMaterial["uniforms"] {
         leastShadowed: { value: shadowless },
         mirrors: { value: around !== null },
         worldFromObj: { value: new Matrix3() },
-        worldOrigin: { value: new Vector3() },
+        boardFromObj: { value: new Matrix3().set(...(rotation(model.worldFromObj).flat() as Parameters<Matrix3["set"]>)) },
+        boardOrigin: { value: new Vector3(...model.worldFromObj.slice(3)) },
         ambient: { value: Array.from({ length: 9 }, (_, k) => new Vector3(...(around?.ambientRgb[k] ?? [0, 0, 0]))) },
         board: { value: picture },
         boardPlace: { value: board ? new Vector4(board.x0, board.y0, board.pitch, board.white) : new Vector4() },
         tableRgb: { value: new Vector3(...(around?.tableRgb ?? [0, 0, 0])) },
         f0: { value: around?.f0 ?? 0 },
+        lit: { value: light !== null },
+        irradiance: { value: Array.from({ length: 9 }, (_, k) => new Vector3(...(light?.harmonics[k] ?? [0, 0, 0]))) },
+        nSuns: { value: light?.lamps.length ?? 0 },
+        suns: { value: Array.from({ length: mostSuns }, (_, k) => new Vector4(...(light?.lamps[k]?.direction ?? [0, 0, 0]), light?.lamps[k]?.perMetre ?? 0)) },
+        sunRgb: { value: Array.from({ length: mostSuns }, (_, k) => new Vector3(...(light?.lamps[k]?.rgb ?? [0, 0, 0]))) },
     };
 }
 
@@ -149,7 +157,7 @@ export class Stage {
         if (!context.getExtension("EXT_color_buffer_float") && !context.getExtension("EXT_color_buffer_half_float"))
             throw new ModelError("This browser's graphics cannot draw into floating-point pictures, which this page needs.");
         const largest = context.getParameter(context.MAX_TEXTURE_SIZE) as number;
-        if (Math.max(model.width, model.height) > largest)
+        if (Math.max(model.width, model.height, (model.normalMap?.offset.length ?? 0) / 4 / tableWidth) > largest)
             throw new ModelError(`The texture of this model, ${model.width} x ${model.height} px, is larger than this device can hold (${largest}).`);
         this.renderer = new WebGLRenderer({ canvas, context });
         this.renderer.autoClear = true;
@@ -182,6 +190,8 @@ export class Stage {
                 lightFromObj: { value: new Matrix3() },
                 show: { value: new Vector2(1, 1) },
                 wire: { value: false },
+                offsets: { value: model.normalMap && tableTexture(model.normalMap.offset) },
+                offsetsPerEdge: { value: model.normalMap?.texelsPerEdge ?? 0 },
                 lamps: { value: null },
                 nLamps: { value: model.lamps?.lights.length ?? 0 },
                 lampOrigin: { value: new Vector3() },
@@ -212,6 +222,17 @@ export class Stage {
             scale: { value: new Vector2(1, 1) },
             backgroundRgb: { value: new Vector3(background, background, background) },
         });
+    }
+
+    // Whether the browser has taken the graphics away; the renderer asks for them back, and fills them again.
+    get lost(): boolean {
+        return this.renderer.getContext().isContextLost();
+    }
+
+    // After that: what was drawn is gone, and so is the colour to clear with.
+    restore(): void {
+        this.renderer.setClearColor(0, 0);
+        this.drawn = null;
     }
 
     // Size of the canvas in its own pixels; true where it has changed.
@@ -245,7 +266,7 @@ export class Stage {
 
     private setView(view: View, width: number, height: number, offset: number[]): void {
         const u = this.material.uniforms;
-        const { R, t, camera, worldFromObj, worldOrigin, lightFromObj, lightOrigin } = poseOf(this.model, view, this.more.photographs[view.photo]?.rtCamObj);
+        const { R, t, camera, worldFromObj, lightFromObj, lightOrigin } = poseOf(this.model, view, this.more.photographs[view.photo]?.rtCamObj);
         const [x, y, z] = this.model.centre;
         const depth = R[2][0] * x + R[2][1] * y + R[2][2] * z + t[2];
         const near = Math.max(depth - 1.01 * this.model.radius, 0.005 * this.model.radius);
@@ -269,7 +290,6 @@ export class Stage {
         (u.cameraObj.value as Vector3).fromArray(camera);
         (u.lightFromObj.value as Matrix3).set(...(lightFromObj.flat() as Parameters<Matrix3["set"]>));
         (u.worldFromObj.value as Matrix3).set(...(worldFromObj.flat() as Parameters<Matrix3["set"]>));
-        (u.worldOrigin.value as Vector3).fromArray(worldOrigin);
         const from = this.model.lamps?.origin ?? [0, 0, 0];
         (u.lampOrigin.value as Vector3).fromArray(lightOrigin.map((x, k) => x - from[k]));
         (u.lampLobe.value as Vector3).z = view.strength;

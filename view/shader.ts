@@ -50,12 +50,20 @@ uniform float offset; // by which secondary rays start off the surface, metres
 uniform float leastShadowed; // terms below this, before k_S, are not worth a shadow ray; huge: no shadows
 uniform bool mirrors; // the surroundings
 uniform mat3 worldFromObj;
-uniform vec3 worldOrigin; // of the object
+uniform mat3 boardFromObj;
+uniform vec3 boardOrigin; // of the object
 uniform vec3 ambient[9];
 uniform sampler2D board; // sRGB, over boardWhite; interpolated in linear light
 uniform vec4 boardPlace; // centre of pixel (0, 0), pixel size in metres (0: no board), white
 uniform vec3 tableRgb;
 uniform float f0;
+uniform sampler2D offsets; // of normals, in the order of triangles and of their texels
+uniform int offsetsPerEdge; // texels; 0: no normal map
+uniform bool lit; // the texture is an albedo
+uniform vec3 irradiance[9];
+uniform int nSuns;
+uniform vec4 suns[24]; // direction, inverse distance
+uniform vec3 sunRgb[24];
 uniform sampler2D lamps; // lamps.ts
 uniform int nLamps;
 uniform vec3 lampOrigin; // from the object's origin, in the lights' frame, negative: x = lightFromObj p + lampOrigin
@@ -74,9 +82,8 @@ ivec2 texelAt(int triangle, ivec2 ij) {
     return origin + (triangle % 2 == 1 ? ivec2(texelsPerEdge - 1, texelsPerEdge) - ij : ij);
 }
 
-// Linear on the small triangles of the lattice; texels that no photograph saw have no part in it.
-vec3 diffuseAt(int triangle, vec2 place, vec3 holeRgb) {
-    int last = texelsPerEdge - 1;
+// The three lattice points (columns) about a place of a triangle, and their weights.
+void cellAt(int last, vec2 place, out ivec2 at[3], out vec3 weight) {
     vec2 ab = clamp(place, 0.0, 1.0) * float(last);
     ivec2 ij = clamp(ivec2(ab), ivec2(0), ivec2(last - 1));
     if (ij.x + ij.y > last - 1) {
@@ -84,23 +91,22 @@ vec3 diffuseAt(int triangle, vec2 place, vec3 holeRgb) {
         else ij.y = last - 1 - ij.x;
     }
     vec2 f = ab - vec2(ij);
-    ivec2 t0, t1, t2;
-    vec3 weight;
     if (f.x + f.y <= 1.0 || ij.x + ij.y == last - 1) {
         f /= max(f.x + f.y, 1.0);
-        t0 = ij;
-        t1 = ij + ivec2(1, 0);
-        t2 = ij + ivec2(0, 1);
+        at = ivec2[3](ij, ij + ivec2(1, 0), ij + ivec2(0, 1));
         weight = vec3(1.0 - f.x - f.y, f);
     } else {
-        t0 = ij + ivec2(1, 1);
-        t1 = ij + ivec2(0, 1);
-        t2 = ij + ivec2(1, 0);
+        at = ivec2[3](ij + ivec2(1, 1), ij + ivec2(0, 1), ij + ivec2(1, 0));
         weight = vec3(f.x + f.y - 1.0, 1.0 - f);
     }
-    t0 = texelAt(triangle, t0);
-    t1 = texelAt(triangle, t1);
-    t2 = texelAt(triangle, t2);
+}
+
+// Linear on the small triangles of the lattice; texels that no photograph saw have no part in it.
+vec3 diffuseAt(int triangle, vec2 place, vec3 holeRgb) {
+    ivec2 at[3];
+    vec3 weight;
+    cellAt(texelsPerEdge - 1, place, at, weight);
+    ivec2 t0 = texelAt(triangle, at[0]), t1 = texelAt(triangle, at[1]), t2 = texelAt(triangle, at[2]);
     vec3 all = weight;
     weight *= vec3(texelFetch(seen, t0, 0).r, texelFetch(seen, t1, 0).r, texelFetch(seen, t2, 0).r);
     float sum = weight.x + weight.y + weight.z;
@@ -136,11 +142,24 @@ vec4 entry(sampler2D table, int i) {
     return texelFetch(table, ivec2(i & 1023, i >> 10), 0);
 }
 
+// The mesh's unit normal at a place, bent by the normal map (render/normal_map.h).
+vec3 bentAt(int triangle, vec2 place, vec3 n) {
+    if (offsetsPerEdge == 0) return n;
+    ivec2 at[3];
+    vec3 weight;
+    cellAt(offsetsPerEdge - 1, place, at, weight);
+    int first = triangle * (offsetsPerEdge * (offsetsPerEdge + 1) / 2);
+    for (int k = 0; k < 3; k++)
+        n += weight[k] * entry(offsets, first + at[k].y * offsetsPerEdge - at[k].y * (at[k].y - 1) / 2 + at[k].x).xyz;
+    return normalize(n);
+}
+
 // Number and place of the triangle that a ray meets first (or at all); -1: none.
-int meets(vec3 from, vec3 along, bool first, out vec2 at) {
+int meets(vec3 from, vec3 along, bool first, out vec2 at, out float nearest, out vec3 flatN) {
     vec3 per = 1.0 / along;
-    float nearest = 1e30;
     int found = -1;
+    nearest = 1e30;
+    flatN = vec3(0.0);
     at = vec2(0.0);
     for (int i = 0; i < nNodes;) {
         vec4 low = entry(nodes, 2 * i), high = entry(nodes, 2 * i + 1);
@@ -164,19 +183,40 @@ int meets(vec3 from, vec3 along, bool first, out vec2 at) {
                 nearest = s;
                 found = int(corner.w);
                 at = vec2(u, v);
+                flatN = cross(e1, e2);
                 if (!first) return found;
             }
         }
     }
+    flatN = found < 0 ? flatN : normalize(flatN);
     return found;
 }
 
-// What arrives from above the horizon, by spherical harmonics to order 2.
-vec3 fromAbove(vec3 d) {
-    vec3 sum = 0.28209479 * ambient[0] + 0.48860251 * (d.y * ambient[1] + d.z * ambient[2] + d.x * ambient[3]) +
-        1.09254843 * (d.x * d.y * ambient[4] + d.y * d.z * ambient[5] + d.x * d.z * ambient[7]) +
-        0.31539157 * (3.0 * d.z * d.z - 1.0) * ambient[6] + 0.54627422 * (d.x * d.x - d.y * d.y) * ambient[8];
+bool blocked(vec3 nO, vec3 pO, vec3 towards) {
+    vec2 at;
+    float far;
+    vec3 flatN;
+    return meets(pO + offset * nO, towards, false, at, far, flatN) >= 0;
+}
+
+// Spherical harmonics to order 2.
+vec3 harmonicsAt(vec3 e[9], vec3 d) {
+    vec3 sum = 0.28209479 * e[0] + 0.48860251 * (d.y * e[1] + d.z * e[2] + d.x * e[3]) +
+        1.09254843 * (d.x * d.y * e[4] + d.y * d.z * e[5] + d.x * d.z * e[7]) +
+        0.31539157 * (3.0 * d.z * d.z - 1.0) * e[6] + 0.54627422 * (d.x * d.x - d.y * d.y) * e[8];
     return max(sum, vec3(0.0));
+}
+
+// Light on the texture of an object that turned (render/irradiance.h); 1 where it did not.
+vec3 irradianceAt(vec3 pO, vec3 nO) {
+    if (!lit) return vec3(1.0);
+    vec3 n = lightFromObj * nO, x = lightFromObj * pO + lampOrigin, sum = harmonicsAt(irradiance, n);
+    for (int i = 0; i < nSuns; i++) {
+        vec3 to = suns[i].xyz - suns[i].w * x, l = normalize(to);
+        float cosine = dot(n, l) / dot(to, to);
+        if (cosine > 0.0 && !blocked(nO, pO, l * lightFromObj)) sum += cosine * sunRgb[i];
+    }
+    return sum;
 }
 
 vec3 boardAt(vec2 p) {
@@ -211,15 +251,17 @@ vec3 spreadAt(vec3 p, vec3 d) {
     return n > 0.0 ? sum / n : planeAt(p, d);
 }
 
-// Radiance in the mirror direction: the object's own texture where it stands in the way, else the surroundings.
+// Radiance in the mirror direction: the object's own texture where it stands in the way, else the surroundings. The light on
+// what an object that turned mirrors of itself is taken as on flat triangles.
 vec3 mirroredAt(vec3 nO, vec3 vO) {
+    vec3 from = pObj + offset * nO, r = 2.0 * dot(nO, vO) * nO - vO, flatN;
+    float far;
     vec2 at;
-    vec3 r = 2.0 * dot(nO, vO) * nO - vO;
-    int hit = meets(pObj + offset * nO, r, true, at);
-    if (hit >= 0) return diffuseAt(hit, at, vec3(0.0));
-    vec3 d = worldFromObj * r, p = worldFromObj * pObj + worldOrigin;
-    if (d.z >= 0.0) return fromAbove(d);
-    return spreadAt(p, d);
+    int hit = meets(from, r, true, at, far, flatN);
+    if (hit >= 0) return diffuseAt(hit, at, vec3(0.0)) * irradianceAt(from + far * r, flatN);
+    vec3 d = worldFromObj * r;
+    if (d.z >= 0.0) return harmonicsAt(ambient, d);
+    return spreadAt(boardFromObj * pObj + boardOrigin, boardFromObj * r);
 }
 
 // Eq. (7) without k_S, of lights that the mesh does not hide.
@@ -237,8 +279,7 @@ float lobeAt(vec3 nO, vec3 vO) {
         if (dot(n, l.xyz) <= 0.0) continue;
         vec3 e = n - normalize(l.xyz + v);
         float term = l.w * exp2(-alpha2(0.5 * dot(e, e)) * perAlpha2);
-        vec2 ignored;
-        if (term > leastShadowed && meets(pObj + offset * nO, l.xyz * lightFromObj, false, ignored) >= 0) continue;
+        if (term > leastShadowed && blocked(nO, pObj, l.xyz * lightFromObj)) continue;
         sum += term;
     }
     return sum / max(dot(n, v), LOBE_MIN_COS);
@@ -271,8 +312,7 @@ vec3 lampsAt(vec3 nO, vec3 vO) {
         }
         response *= perCos;
         if (!(response * (rgb.r + rgb.g + rgb.b) > 2e-4)) continue;
-        vec2 at;
-        if (leastShadowed < 1e29 && meets(pObj + offset * nO, normalize(to) * lightFromObj, false, at) >= 0) continue;
+        if (leastShadowed < 1e29 && blocked(nO, pObj, normalize(to) * lightFromObj)) continue;
         sum += response * rgb;
     }
     return sum;
@@ -292,9 +332,8 @@ float glossAt(vec3 rgb) {
     return nGloss > 0 ? sum / all : 1.0;
 }
 
-vec3 specularAt() {
+vec3 specularAt(vec3 nO) {
     vec3 vO = normalize(cameraObj - pObj);
-    vec3 nO = normalize(nObj);
     float facing = dot(nO, vO);
     if (facing < MIN_FACING) {
         // The inside of an open mesh does not shine; at an outline the normal is bent towards the camera.
@@ -311,8 +350,9 @@ vec3 specularAt() {
 
 void main() {
     vec3 sum = vec3(0.0);
-    if (show.x > 0.0) sum += diffuseAt(triangle, place, holeRgb);
-    if (show.y > 0.0) sum += specularAt();
+    vec3 nO = bentAt(triangle, place, normalize(nObj));
+    if (show.x > 0.0) sum += diffuseAt(triangle, place, holeRgb) * irradianceAt(pObj, nO);
+    if (show.y > 0.0) sum += specularAt(nO);
     if (wire) {
         vec3 b = vec3(1.0 - place.x - place.y, place), step = max(fwidth(b), 1e-9), d = b / step;
         float across = 1.0 / max(step.x, max(step.y, step.z)); // pixels of the triangle: small ones would hide the object

@@ -75,7 +75,6 @@ export interface Pose {
     t: number[];
     camera: number[]; // in the object's frame
     worldFromObj: Matrix3; // into the frame in which the surroundings stand
-    worldOrigin: number[]; // of the object, in it
     lightFromObj: Matrix3; // the same, turned as the lights are
     lightOrigin: number[];
 }
@@ -108,12 +107,12 @@ export function poseOf(model: Model, view: View, photo: number[] | null = null):
     const offset = apply(R, model.centre);
     const t = photo ? photo.slice(3) : [view.pan[0] - offset[0], view.pan[1] - offset[1], view.distance - offset[2]];
     const camera = apply(transpose(R), t).map((x) => -x);
-    const worldFromObj = model.objectMoves ? R : rotation(model.worldFromObj);
-    // The lights turn about the vertical: the board's, or where they stand still before the camera the picture's.
-    const axis = model.objectMoves ? [0, -1, 0] : [0, 0, 1];
-    const back = rotation(axis.map((x) => -x * view.turn * rad));
-    const worldOrigin = model.objectMoves ? t : model.worldFromObj.slice(3);
-    return { R, t, camera, worldFromObj, worldOrigin, lightFromObj: multiply(back, worldFromObj), lightOrigin: apply(back, worldOrigin) };
+    // Before lights that stand still the camera does, too, and the object has turned to be seen so.
+    const worldFromCam = rotation(model.worldFromCam);
+    const worldFromObj = model.objectMoves ? multiply(worldFromCam, R) : rotation(model.worldFromObj);
+    const worldOrigin = model.objectMoves ? apply(worldFromCam, t).map((x, k) => x + model.worldFromCam[3 + k]) : model.worldFromObj.slice(3);
+    const back = rotation([0, 0, -view.turn * rad]); // the lights turn about the board's vertical
+    return { R, t, camera, worldFromObj, lightFromObj: multiply(back, worldFromObj), lightOrigin: apply(back, worldOrigin) };
 }
 
 function number(text: string | undefined, low: number, high: number, otherwise: number): number {

@@ -31,6 +31,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size_bytes)
         for (size_t i = 0; i < m.lights.count; i++)
             if (!isfinite(m.lights.weight[i]) || !(m.lights.weight[i] >= 0))
                 abort();
+        const size_t n = m.normals.n_triangles * sheen_texels_per_triangle(m.normals.texels_per_edge);
+        for (size_t i = 0; i < 3 * n; i++)
+            if (!(fabsf(m.normals.rgb[i]) <= 2 * SHEEN_NORMAL_MAP_MOST))
+                abort();
         sheen_model_release(&m);
     }
     sheen_page_release(&page);

@@ -11,6 +11,7 @@
 
 #include "base/vec.h"
 #include "render/draw.h"
+#include "render/gltf_surface.h"
 #include "render/gltf_view.h"
 #include "render/panorama.h"
 #include "render/simplify.h"
@@ -331,7 +332,100 @@ static void what_gltf_shows_is_like_the_model(void **state)
     sheen_model_release(&m);
 }
 
-// One triangle that no photograph saw, without light.
+// Interpolated normal, tangents and the picture give back the model's bent normals.
+static void a_normal_map_becomes_a_normal_texture(void **state)
+{
+    (void)state;
+    sheen_err err = {0};
+    sheen_model m;
+    sheen_gltf g;
+    make_model(&m);
+    assert_ok(sheen_normal_map_init(&m.normals, m.mesh.n_triangles, 4, &err), err);
+    for (size_t f = 0; f < m.mesh.n_triangles; f++) {
+        float p[3 * 10], n[3 * 10];
+        sheen_texture_lattice(&m.mesh, f, 4, p, n);
+        for (size_t i = 0; i < 10; i++) {
+            const float wave[3] = {0.3f * sinf(60 * p[3 * i + 1]), 0.3f * cosf(50 * p[3 * i]), 0};
+            sheen_crossf(m.normals.rgb + 3 * (10 * f + i), wave, n + 3 * i);
+        }
+    }
+    const sheen_gltf_options o = options_of(m.mesh.n_triangles, 0);
+    assert_ok(sheen_gltf_make(&g, &m, &o, &err), err);
+    double sum = 0, flat = 0;
+    size_t count = 0;
+    for (size_t i = 0; i < (size_t)g.side_px * (size_t)g.side_px; i++) {
+        const float *want = g.surface.n_obj.data + 3 * i;
+        float p_obj[3], n_obj[3], plain[3];
+        if (!(sheen_dotf(want, want) > 0))
+            continue;
+        sheen_gltf_surface_at(p_obj, n_obj, &g, &g.surface.places[i]);
+        const sheen_image kept = g.normals;
+        g.normals.data = NULL;
+        sheen_gltf_surface_at(p_obj, plain, &g, &g.surface.places[i]);
+        g.normals = kept;
+        sum += acos(fmin(1, (double)sheen_dotf(n_obj, want)));
+        flat += acos(fmin(1, (double)sheen_dotf(plain, want)));
+        count++;
+    }
+    print_message("normals are off by %.4f with the picture, %.4f without\n", sum / (double)count,
+                  flat / (double)count);
+    assert_true(count > 1000 && sum < 0.1 * flat);
+    char json[8192] = {0};
+    memcpy(json, g.glb + 20, sizeof json - 1 < g.glb_bytes - 20 ? sizeof json - 1 : g.glb_bytes - 20);
+    assert_non_null(strstr(json, "\"normalTexture\""));
+    assert_non_null(strstr(json, "\"TANGENT\""));
+    sheen_gltf_release(&g);
+    sheen_model_release(&m);
+}
+
+// Where the object hides its one light from itself, nothing is mirrored; elsewhere it is.
+static void what_lies_in_shadow_mirrors_nothing(void **state)
+{
+    (void)state;
+    sheen_err err = {0};
+    sheen_model m;
+    sheen_gltf g;
+    sheen_scene *scene;
+    double sum[2] = {0}, count[2] = {0};
+    const float l[3] = {0.96f, 0, 0.28f};
+    make_model(&m);
+    sheen_mesh_release(&m.mesh);
+    test_figure(&m.mesh, 6, 0.1f, 0.09f);
+    m.shadows = 1;
+    m.lights.weight[0] = 0;
+    m.lights.dx[1] = l[0];
+    m.lights.dz[1] = l[2];
+    const sheen_gltf_options o = options_of(m.mesh.n_triangles, 0);
+    assert_ok(sheen_gltf_make(&g, &m, &o, &err), err);
+    assert_ok(sheen_scene_new(&scene, &m.mesh, &err), err);
+    assert_non_null(g.specular.data);
+    const int step = g.side_px / g.specular.width_px;
+    for (int y = 0; y < g.specular.height_px; y++)
+        for (int x = 0; x < g.specular.width_px; x++) {
+            const float w = *sheen_image_at(&g.specular, x, y);
+            const size_t place = (size_t)(y * step + step / 2) * (size_t)g.side_px +
+                                 (size_t)(x * step + step / 2);
+            float p_obj[3], n_obj[3];
+            assert_true(w >= 0 && w <= 1); // no Fresnel term: not more
+            if (!g.surface.known[place])
+                continue;
+            sheen_gltf_surface_at(p_obj, n_obj, &g, &g.surface.places[place]);
+            for (int k = 0; k < 3; k++)
+                p_obj[k] += 1e-3f * n_obj[k];
+            if (!(sheen_dotf(n_obj, l) > 0.2f))
+                continue;
+            const int hidden = sheen_scene_blocked(scene, p_obj, l);
+            sum[hidden] += (double)w;
+            count[hidden]++;
+        }
+    print_message("mean weight %.2f in light (%.0f places), %.2f in shadow (%.0f)\n", sum[0] / count[0],
+                  count[0], sum[1] / count[1], count[1]);
+    assert_true(count[1] > 10 && sum[0] / count[0] > 0.8 && sum[1] / count[1] < 0.4);
+    sheen_scene_free(&scene);
+    sheen_gltf_release(&g);
+    sheen_model_release(&m);
+}
+
 static void the_least_model_is_written(void **state)
 {
     (void)state;
@@ -381,6 +475,8 @@ int main(void)
         cmocka_unit_test(our_own_reader_reads_the_file),
         cmocka_unit_test(white_in_a_white_world_is_white),
         cmocka_unit_test(what_gltf_shows_is_like_the_model),
+        cmocka_unit_test(a_normal_map_becomes_a_normal_texture),
+        cmocka_unit_test(what_lies_in_shadow_mirrors_nothing),
         cmocka_unit_test(the_least_model_is_written),
         cmocka_unit_test(unknown_pixels_take_the_colour_about_them),
     };

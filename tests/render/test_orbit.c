@@ -205,7 +205,7 @@ static void films_are_written(void **state)
         test_scratch_file(png, scratch, "frame.png");
         const sheen_status s = sheen_film_open(&film, path, 97, 65, 10, &err); // odd sizes are cropped
         if (s == SHEEN_EUNSUP && strstr(err.msg, "not installed"))
-            skip();
+            test_skip("ffmpeg is not installed");
         assert_ok(s, err);
         for (int k = 0; k < 5; k++) {
             sheen_image img;
@@ -234,7 +234,7 @@ static void a_film_that_is_not_kept_leaves_nothing(void **state)
     sheen_err err = {0};
     test_scratch_file(path, scratch, "film.mp4");
     if (sheen_film_open(&film, path, 64, 64, 10, &err))
-        skip();
+        test_skip("ffmpeg is not installed");
     frame_of(&img, 64, 64, 0.5f);
     assert_ok(sheen_film_add(film, &img, &err), err);
     sheen_image_release(&img);
@@ -255,7 +255,7 @@ static void a_film_that_cannot_be_written(void **state)
     sheen_err err = {0};
     test_scratch_file(path, scratch, "no/such/folder/film.mp4");
     if (sheen_film_open(&film, path, 640, 480, 10, &err))
-        skip();
+        test_skip("ffmpeg is not installed");
     frame_of(&img, 640, 480, 0.5f);
     sheen_status s = SHEEN_OK;
     for (int i = 0; i < 1000 && !s; i++)
@@ -331,5 +331,5 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_full_disk_is_named, test_scratch_setup, test_scratch_teardown),
         cmocka_unit_test_setup_teardown(refuses_other_films, test_scratch_setup, test_scratch_teardown),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return test_result(cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -51,6 +51,26 @@ static void make_model(sheen_model *m)
     }
 }
 
+// Offsets across the mesh's normals that differ from texel to texel.
+static void add_normal_map(sheen_model *m, int texels_per_edge)
+{
+    sheen_err err = {0};
+    uint64_t seed = 11;
+    float p[3 * 64], n[3 * 64];
+    const size_t per_triangle = sheen_texels_per_triangle(texels_per_edge);
+    assert_ok(sheen_normal_map_init(&m->normals, m->mesh.n_triangles, texels_per_edge, &err), err);
+    for (size_t f = 0; f < m->mesh.n_triangles; f++) {
+        sheen_texture_lattice(&m->mesh, f, texels_per_edge, p, n);
+        for (size_t i = 0; i < per_triangle; i++) {
+            float *d = m->normals.rgb + 3 * (f * per_triangle + i), v[3];
+            test_direction(v, &seed);
+            sheen_crossf(d, v, n + 3 * i);
+            for (int k = 0; k < 3; k++)
+                d[k] *= 0.3f;
+        }
+    }
+}
+
 // A board of 8 x 6 pixels brighter than white, and light from the room.
 static void add_surroundings(sheen_model *m)
 {
@@ -119,6 +139,35 @@ static void the_same_comes_back(void **state)
             assert_close(sheen_transfer_encode(SHEEN_TRANSFER_SRGB, back.texture.rgb[3 * i + c]),
                          sheen_transfer_encode(SHEEN_TRANSFER_SRGB, m.texture.rgb[3 * i + c]), 4.0 / 255);
     }
+    sheen_page_release(&page);
+    sheen_model_release(&m);
+    sheen_model_release(&back);
+}
+
+// To half a step, an eighth of sigma, in each of two directions.
+static void a_normal_map_comes_back(void **state)
+{
+    (void)state;
+    sheen_err err = {0};
+    sheen_model m, back;
+    sheen_page page;
+    make_model(&m);
+    add_normal_map(&m, 5);
+    pack(&page, &m);
+    assert_ok(sheen_page_unpack(&back, NULL, &page, &err), err);
+    assert_int_equal(back.normals.texels_per_edge, 5);
+    assert_int_equal(back.normals.n_triangles, m.normals.n_triangles);
+    const size_t n = m.normals.n_triangles * sheen_texels_per_triangle(5);
+    for (size_t i = 0; i < n; i++) {
+        float d[3];
+        sheen_subf(d, back.normals.rgb + 3 * i, m.normals.rgb + 3 * i);
+        assert_true(sheen_dotf(d, d) < 0.51f * 0.01f * 0.01f);
+        assert_true(back.normals.n_views[i]);
+    }
+    m.normals.n_triangles--;
+    sheen_page other;
+    assert_int_equal(sheen_page_pack(&other, &m, &a_view, &finest, &err), SHEEN_EARG);
+    m.normals.n_triangles++;
     sheen_page_release(&page);
     sheen_model_release(&m);
     sheen_model_release(&back);
@@ -269,6 +318,7 @@ static void damage_is_noticed_or_harmless(void **state)
     uint8_t *bytes;
     size_t size_bytes;
     make_model(&m);
+    add_normal_map(&m, 3);
     pack(&page, &m);
     assert_ok(sheen_inflate(&bytes, &size_bytes, page.geometry, page.geometry_bytes, 1 << 24, &err), err);
     const size_t step = size_bytes / 400 + 1;
@@ -347,6 +397,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_same_comes_back),
+        cmocka_unit_test(a_normal_map_comes_back),
         cmocka_unit_test(surroundings_come_back),
         cmocka_unit_test(a_coarser_code_is_smaller_and_still_alike),
         cmocka_unit_test(it_draws_the_same),

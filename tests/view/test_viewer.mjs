@@ -337,6 +337,27 @@ await test("a model that was made to harm is one sentence", async () => {
     }
 });
 
+await test("graphics that are taken away are said to be, and come back with the same picture", async () => {
+    await on(small.file, { hash: `#view=${looks[2]},0.5` }, async (tab) => {
+        const before = await picture(tab);
+        await tab.evaluate(() => {
+            window.graphics = document.getElementById("stage").getContext("webgl2").getExtension("WEBGL_lose_context");
+            window.graphics.loseContext();
+        });
+        await settled(tab, "error");
+        assert.match(await said(tab), /took the graphics away/);
+        await tab.waitForTimeout(300);
+        await tab.evaluate(() => window.graphics.restoreContext());
+        await settled(tab);
+        await tab.waitForTimeout(300);
+        await settled(tab);
+        const { db } = psnr(await picture(tab), before);
+        console.log(`     ${db.toFixed(1)} dB`);
+        assert.ok(db > 50);
+        assert.ok((await changes(tab, () => tab.check("input[value=diffuse]"))) < 60, "controls still work");
+    });
+});
+
 await test("without WebGL2, and with a damaged model, the page says so", async () => {
     const html = readFileSync(small.file, "utf8");
     const write = (name, text) => {
