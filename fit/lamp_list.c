@@ -268,10 +268,37 @@ static sheen_status try_list(search *q, sheen_lamp_list *other, const size_t *wh
     return SHEEN_OK;
 }
 
+static int is_too_near(const search *q, const sheen_lamp *lamp)
+{
+    return lamp->inverse_distance_per_m * q->samples->radius_m > highest_nearness;
+}
+
 static int is_out_of_place(const search *q, const sheen_lamp *lamp)
 {
-    return lamp->direction_world[2] < lowest_sine ||
-           lamp->inverse_distance_per_m * q->samples->radius_m > highest_nearness;
+    return lamp->direction_world[2] < lowest_sine || is_too_near(q, lamp);
+}
+
+// What a wide light's shape asks for beyond a disc's, its distance gives where it can, until the lamp is in the object, from where all
+// that it explains would go with it. From far it may explain nearly as much.
+static sheen_status move_away(search *q, sheen_err *err)
+{
+    sheen_lamp_fit_options o = q->o.fit;
+    sheen_lamp_fit_result result;
+    int n_moved = 0;
+    for (size_t i = 0; i < q->list->n; i++)
+        if (is_too_near(q, &q->list->lamps[i])) {
+            q->list->lamps[i].inverse_distance_per_m = 0;
+            n_moved++;
+        }
+    if (!n_moved)
+        return SHEEN_OK;
+    o.free_distance = 0;
+    o.max_iterations = 12;
+    const sheen_status s = sheen_lamp_fit(q->list->lamps, q->list->n, &q->list->lobe, q->samples, NULL, &o,
+                                          &result, err);
+    q->list->cost = result.cost;
+    q->list->converged = result.converged;
+    return s;
 }
 
 // light: [count][n] of the lamps that there were. Takes lamp *i, whose light is in `column`, away where E hardly needs it; else goes
@@ -448,7 +475,7 @@ static sheen_status run(search *q, sheen_err *err)
         return s;
     if (q->list->n) {
         if ((s = refine(q, q->list, q->o.last ? 25 : 8, err)) || (s = join_neighbours(q, err)) ||
-            (s = split_wide_lamps(q, err)) || (s = prune(q, err)) ||
+            (s = split_wide_lamps(q, err)) || (s = move_away(q, err)) || (s = prune(q, err)) ||
             (q->o.last && (s = try_points(q, err))) ||
             (s = sheen_lamp_colours(q->list->lamps, q->list->n, &q->list->lobe, q->samples, &q->o.fit, err)))
             return s;

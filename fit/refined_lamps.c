@@ -92,6 +92,13 @@ static sheen_status fit_gloss(sheen_refined_state *r, sheen_lamp_samples *sample
     return SHEEN_OK;
 }
 
+// Roughness and gloss were those of lamps that are gone: the next round looks for others from the start.
+static void forget_lobe(sheen_refined_state *r)
+{
+    r->lamps.lobe = (sheen_lobe_shape){.sigma_rad = (float)r->f->sigma0_rad};
+    r->f->model.gloss.n = 0;
+}
+
 static sheen_lamp_list_options list_options(sheen_refined_state *r, const sheen_lamp_proof *proof)
 {
     const sheen_extensions without = r->o.without;
@@ -135,6 +142,8 @@ sheen_status sheen_refined_lamps(sheen_refined_state *r, sheen_err *err)
         s = fit_gloss(r, &samples, &proof, &o.fit, err);
     if (!s && !gloss_before && r->f->model.gloss.n) // the first lamps were found without
         s = sheen_lamp_list_fit(&r->lamps, &samples, &o, err);
+    if (!s && !r->lamps.n)
+        forget_lobe(r);
     if (!s)
         s = use_lamps(r, &samples, err);
     sheen_lamp_samples_release(&samples);

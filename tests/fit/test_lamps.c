@@ -31,14 +31,14 @@ static sheen_lamp lamp_at(double az_deg, double el_deg, double distance_m, doubl
         .rgb = {rgb[0], rgb[1], rgb[2]}};
 }
 
-static void add_sample(sheen_lamp_samples *out, const stage *st, const float n[3], const float v[3],
-                       size_t view, uint64_t *seed)
+static void add_sample(sheen_lamp_samples *out, const stage *st, const float x_m[3], const float n[3],
+                       const float v[3], size_t view, uint64_t *seed)
 {
     double response[6];
     sheen_lamp_sample *s = &out->at[out->count];
     *s = (sheen_lamp_sample){.view = (uint32_t)view, .gloss = 1, .weight = 1};
-    for (int k = 0; k < 3; k++)
-        s->x_m[k] = s->p_obj[k] = (float)radius_m * n[k];
+    memcpy(s->x_m, x_m, sizeof s->x_m);
+    memcpy(s->p_obj, x_m, sizeof s->p_obj);
     memcpy(s->n_world, n, sizeof s->n_world);
     memcpy(s->v_world, v, sizeof s->v_world);
     sheen_lamp_responses_ref(response, st->lamps, st->n, &st->lobe, s->x_m, n, v);
@@ -71,29 +71,36 @@ static void take_samples(sheen_lamp_samples *out, const stage *st)
                 const double z = -1 + 2 * (i + 0.5) / RINGS, phi = 6.283185307 * k / (2 * RINGS),
                              r = sqrt(1 - z * z);
                 const float n[3] = {(float)(r * cos(phi)), (float)(r * sin(phi)), (float)z};
-                float v[3];
-                for (int c = 0; c < 3; c++)
+                float x_m[3], v[3];
+                for (int c = 0; c < 3; c++) {
+                    x_m[c] = (float)radius_m * n[c];
                     v[c] = (float)(camera[c] - radius_m * (double)n[c]);
+                }
                 sheen_normalizef(v);
                 if (sheen_dotf(n, v) > 0.25f)
-                    add_sample(out, st, n, v, view, &seed);
+                    add_sample(out, st, x_m, n, v, view, &seed);
             }
     }
+}
+
+static sheen_lamp_list_options list_options(const stage *st, int n_threads)
+{
+    return (sheen_lamp_list_options){.threshold_lin = 0.04f,
+                                     .max_lamps = 24,
+                                     .find = 1,
+                                     .last = 1,
+                                     .fit = {.free_distance = 1,
+                                             .free_radius = 1,
+                                             .free_sigma = 1,
+                                             .free_tail = st->lobe.tail > 0,
+                                             .free_fresnel = st->lobe.fresnel > 0,
+                                             .n_threads = n_threads}};
 }
 
 static void find(sheen_lamp_list *list, const stage *st, const sheen_lamp_samples *samples, int n_threads)
 {
     sheen_err err;
-    const sheen_lamp_list_options o = {.threshold_lin = 0.04f,
-                                       .max_lamps = 24,
-                                       .find = 1,
-                                       .last = 1,
-                                       .fit = {.free_distance = 1,
-                                               .free_radius = 1,
-                                               .free_sigma = 1,
-                                               .free_tail = st->lobe.tail > 0,
-                                               .free_fresnel = st->lobe.fresnel > 0,
-                                               .n_threads = n_threads}};
+    const sheen_lamp_list_options o = list_options(st, n_threads);
     *list = (sheen_lamp_list){.lobe = {.sigma_rad = 2 * st->lobe.sigma_rad}};
     assert_ok(sheen_lamp_list_fit(list, samples, &o, &err), err);
 }
@@ -225,6 +232,47 @@ static void what_one_view_claims_is_no_lamp(void **state)
     sheen_lamp_samples_release(&samples);
 }
 
+// Photographs from one side of a table under one lamp: the highlight hardly moves on it.
+static void take_table_samples(sheen_lamp_samples *out, const stage *st)
+{
+    static const float up[3] = {0, 0, 1};
+    uint64_t seed = 5;
+    *out = (sheen_lamp_samples){.n_views = VIEWS, .radius_m = (float)radius_m};
+    assert_non_null(out->at = malloc(MAX_SAMPLES * sizeof *out->at));
+    for (size_t view = 0; view < VIEWS; view++) {
+        const double az = 0.06 * (double)view;
+        const float camera_m[3] = {(float)(-0.5 * cos(az)), (float)(-0.5 * sin(az)), 0.4f};
+        for (int i = 0; i < RINGS; i++)
+            for (int k = 0; k < RINGS; k++) {
+                const float x_m[3] = {(float)(radius_m * (2 * (i + 0.5) / RINGS - 1)),
+                                      (float)(radius_m * (2 * (k + 0.5) / RINGS - 1)), 0};
+                float v[3];
+                sheen_subf(v, camera_m, x_m);
+                sheen_normalizef(v);
+                add_sample(out, st, x_m, up, v, view, &seed);
+            }
+    }
+}
+
+// What asks for a lamp in the object, where none is believed, must not lose it all that it explains.
+static void what_no_near_lamp_can_be_comes_from_far(void **state)
+{
+    (void)state;
+    sheen_lamp_samples samples;
+    sheen_err err;
+    stage st = {.n = 1, .lobe = {0.1f, 0, 0}, .noise = 0.1, .white = 1e9};
+    st.lamps[0] = lamp_at(20, 40, 0.133, 0, white); // 1.33 radii from the middle, where 1.43 is the least
+    sheen_lamp_list list = {.n = 1, .lamps = {lamp_at(20, 40, 0.2, 0, white)}, .lobe = st.lobe};
+    sheen_lamp_list_options o = list_options(&st, 1);
+    o.find = 0;
+    take_table_samples(&samples, &st);
+    assert_ok(sheen_lamp_list_fit(&list, &samples, &o, &err), err);
+    assert_int_equal(list.n, 1);
+    assert_true(list.cost < 0.75 * list.dark_cost);
+    assert_true(list.lamps[0].inverse_distance_per_m * samples.radius_m < 0.7f);
+    sheen_lamp_samples_release(&samples);
+}
+
 // A pixel in which the normal changes by more than sigma shows a blurred lobe: the lobe itself is found.
 static void curved_pixels(void **state)
 {
@@ -276,6 +324,7 @@ int main(void)
         cmocka_unit_test(heavy_tails_and_fresnel),
         cmocka_unit_test(curved_pixels),
         cmocka_unit_test(what_one_view_claims_is_no_lamp),
+        cmocka_unit_test(what_no_near_lamp_can_be_comes_from_far),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
