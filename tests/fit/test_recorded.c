@@ -20,7 +20,7 @@ typedef struct recorded {
 static const recorded fits[] = {
     {"far", 41, SHEEN_FIT_PAPER, 0.031123, 0, 30.01, 28.48},
     {"far", 41, SHEEN_FIT_REFINED, 0.029876, 6, 67.19, 34.61},
-    {"near", 42, SHEEN_FIT_REFINED, 0.029837, 6, 51.37, 34.18},
+    {"near", 42, SHEEN_FIT_REFINED, 0.029774, 6, 65.66, 34.87},
     {"everything", 43, SHEEN_FIT_REFINED, 0.034820, 6, 40.82, 34.47},
 };
 
