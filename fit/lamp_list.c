@@ -158,7 +158,7 @@ static sheen_status add_lamp(search *q, int *state, sheen_err *err)
     }
     sheen_lamp_fit_options o = q->o.fit;
     o.max_iterations = 12;
-    o.free_sigma = trial.n == 0;
+    o.free_sigma = q->o.fit.free_sigma && trial.n == 0;
     o.free_radius = trial.n > 0;
     o.free_tail = o.free_fresnel = 0;
     trial.lamps[trial.n++] = start;

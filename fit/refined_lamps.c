@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // refined_lamps.c - the step that estimates lamps and their lobe, and makes them the model's.
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,7 +8,8 @@
 #include "fit/refined_state.h"
 #include "fit/start_sigma.h"
 
-enum { MAX_LIT = 8000, MAX_DARK = 4000 };
+enum { MAX_LIT = 8000, MAX_DARK = 4000, NARROWER_STARTS = 2 };
+static const double well_borne_out = 0.5; // of what photographs left out are wrong by where a lamp shines
 
 static int is_hidden(void *self, const sheen_lamp_sample *s, const float l_world[3])
 {
@@ -92,11 +94,79 @@ static sheen_status fit_gloss(sheen_refined_state *r, sheen_lamp_samples *sample
     return SHEEN_OK;
 }
 
+// The lamps again, with the gloss that was found; it goes where it leaves no less unexplained than lamps `without` it.
+static sheen_status fit_with_gloss(sheen_refined_state *r, const sheen_lamp_samples *samples,
+                                   const sheen_lamp_list *without, const sheen_lamp_list_options *o,
+                                   sheen_err *err)
+{
+    const sheen_status s = sheen_lamp_list_fit(&r->lamps, samples, o, err);
+    if (!s && !(r->lamps.scale < without->scale)) {
+        r->lamps = *without;
+        r->f->model.gloss.n = 0;
+    }
+    return s;
+}
+
 // Roughness and gloss were those of lamps that are gone: the next round looks for others from the start.
 static void forget_lobe(sheen_refined_state *r)
 {
     r->lamps.lobe = (sheen_lobe_shape){.sigma_rad = (float)r->f->sigma0_rad};
     r->f->model.gloss.n = 0;
+}
+
+// How far the lamp that photographs left out bear out best is borne out; 0 without lamps.
+static sheen_status most_explained(double *most, const sheen_lamp_list *list, const sheen_lamp_proof *proof,
+                                   const sheen_lamp_fit_options *options, sheen_err *err)
+{
+    double explained[SHEEN_LAMP_FIT_MAX];
+    sheen_lamp_fit_options o = *options;
+    o.scale = list->scale;
+    const sheen_status s = sheen_lamp_proof_explained(explained, proof, list->lamps, list->n, 0, &list->lobe,
+                                                      &o, err);
+    *most = 0;
+    for (size_t i = 0; i < list->n && !s; i++)
+        *most = fmax(*most, explained[i]);
+    return s;
+}
+
+// One lobe as wide as several lamps together is a lesser minimum, which the first lamp, found alone, may fall into. The first
+// residuals still hold what the minimum texture got wrong: there photographs left out tell it, which then bear no lamp out well;
+// later, that what is left unexplained would itself count as light.
+static sheen_status may_be_too_wide(int *may, const sheen_refined_state *r, const sheen_lamp_list_options *o,
+                                    sheen_err *err)
+{
+    double most = 0;
+    sheen_status s = SHEEN_OK;
+    if (r->round)
+        *may = r->lamps.scale > (double)o->threshold_lin;
+    else if (!(s = most_explained(&most, &r->lamps, o->proof, &o->fit, err)))
+        *may = most < well_borne_out;
+    return s;
+}
+
+// The lamps, and where their lobe may be too wide, others that were found under a narrower one, held: those that leave least
+// unexplained.
+static sheen_status find_lamps(sheen_refined_state *r, const sheen_lamp_samples *samples,
+                               const sheen_lamp_list_options *o, sheen_err *err)
+{
+    int may = 0;
+    float start_rad = r->lamps.lobe.sigma_rad;
+    sheen_lamp_list_options held = *o;
+    held.fit.free_sigma = held.last = 0;
+    sheen_status s = sheen_lamp_list_fit(&r->lamps, samples, o, err);
+    if (r->round)
+        start_rad = r->lamps.lobe.sigma_rad;
+    for (int k = 1; k <= NARROWER_STARTS && !s; k++) {
+        sheen_lamp_list other = {.lobe = {.sigma_rad = start_rad / (float)(1 << k)}};
+        if ((s = may_be_too_wide(&may, r, o, err)) || !may)
+            return s;
+        if ((s = sheen_lamp_list_fit(&other, samples, &held, err)))
+            return s;
+        s = sheen_lamp_list_fit(&other, samples, o, err);
+        if (!s && other.n && (!r->lamps.n || other.scale < r->lamps.scale))
+            r->lamps = other;
+    }
+    return s;
 }
 
 static sheen_lamp_list_options list_options(sheen_refined_state *r, const sheen_lamp_proof *proof)
@@ -135,13 +205,15 @@ sheen_status sheen_refined_lamps(sheen_refined_state *r, sheen_err *err)
     if (!s)
         s = sheen_lamp_proof_take(&proof, r, &samples, err);
     const sheen_lamp_list_options o = list_options(r, &proof);
-    const int gloss_before = r->f->model.gloss.n;
+    sheen_gloss *gloss = &r->f->model.gloss;
+    const int gloss_before = gloss->n;
     if (!s)
-        s = sheen_lamp_list_fit(&r->lamps, &samples, &o, err);
+        s = find_lamps(r, &samples, &o, err);
+    const sheen_lamp_list without = r->lamps;
     if (!s && r->lamps.n && sheen_extension_in(r->o.without, SHEEN_EXTENSION_REGIONS))
         s = fit_gloss(r, &samples, &proof, &o.fit, err);
-    if (!s && !gloss_before && r->f->model.gloss.n) // the first lamps were found without
-        s = sheen_lamp_list_fit(&r->lamps, &samples, &o, err);
+    if (!s && !gloss_before && gloss->n) // the first lamps were found without
+        s = fit_with_gloss(r, &samples, &without, &o, err);
     if (!s && !r->lamps.n)
         forget_lobe(r);
     if (!s)

@@ -49,7 +49,10 @@ static void no_lamp_too_few_or_too_many(void **state)
         uint64_t seed;
         double size, specular_db;
     } cases[] = {
-        {"far", 1, 0.33, 60}, {"near", 21, 0.4, 60}, {"discs", 22, 0.4, 55}, {"sigma-.0114", 23, 0.4, 60}};
+        {"far", 1, 0.33, 60},         {"near", 21, 0.4, 60},     {"discs", 22, 0.4, 55},
+        {"sigma-.0114", 23, 0.4, 60}, {"sigma-.1", 2, 0.33, 60}, // whose wide highlights poses were moved for
+        {"sigma-.1", 5, 0.33, 60}, // which one lobe for all lamps nearly explains
+    };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         exact_options o;
         exact_scene s;
