@@ -8,6 +8,8 @@
 //   * A sample on an edge belongs to both; the nearer, and at the same depth the first, keeps it.
 //   * 1/z is linear in the picture. It decides what is nearer, and at the end makes barycentric weights of the
 //     picture into those of the triangle (perspective correction).
+//   * Most triangles that face away are hidden. They are drawn last, but for those of which every block of samples that
+//     they touch is filled with nearer ones. An open mesh, or one turned inside out, looks the same, and takes longer.
 //   * The picture is cut into bands of rows. Each lists the triangles that touch it, in the mesh's order, and
 //     is drawn by one thread into rows of depths and numbers that stay in its cache, and live no longer.
 //
@@ -21,7 +23,7 @@
 #include "base/cpu_level.h"
 
 // Samples that a vector holds; and those of a row that a triangle is drawn over at once: most are narrower than sixteen.
-enum { LANES = 16, SPAN = 8 };
+enum { LANES = 16, SPAN = 8, BLOCK = 8 };
 
 // Place in the picture and inverse depth, in one cache line's quarter.
 typedef struct vertex {
@@ -34,8 +36,9 @@ struct sheen_raster_bands {
     vertex *vertices;
     int columns, rows, stride; // samples; stride: columns in whole vectors
     int band_rows, n_bands;
-    size_t *first;    // [n_bands + 1] into listed
-    uint32_t *listed; // triangles, band after band
+    size_t *
+        first; // [2 * n_bands + 1] into listed: a band's triangles that face the camera, then those that face away
+    uint32_t *listed; // triangles
     double fxycxy[4];
 };
 
@@ -46,6 +49,7 @@ typedef struct band {
     int row0, row1;
     float *inverse_z_m; // [row1 - row0][stride]
     uint32_t *triangle; // [row1 - row0][stride]
+    float *least; // [rows / BLOCK, rounded up][stride / BLOCK] inverse depths, each the least of a block
 } band;
 
 bool sheen_raster_can(const sheen_gbuffer *g, const sheen_camera *cam, const sheen_mesh *mesh,
@@ -72,37 +76,39 @@ SHEEN_KERNEL_INLINE void span_of(int *first, int *last, float a, float b, float 
     *last = to < -1 ? -1 : to < count ? to : count - 1;
 }
 
-// The bands that a triangle's rows are in; false where it covers no sample's row.
-static bool bands_of(const raster *r, size_t triangle, int *first, int *last)
+// The bands that a triangle's rows are in; false where it covers no sample's row. away: it turns clockwise in the picture.
+static bool bands_of(const raster *r, size_t triangle, int *first, int *last, int *away)
 {
     const uint32_t *corner = r->mesh->triangles + 3 * triangle;
-    const float a = r->vertices[corner[0]].v, b = r->vertices[corner[1]].v, c = r->vertices[corner[2]].v;
-    span_of(first, last, a, b, c, r->rows);
+    const vertex *p = r->vertices + corner[0], *q = r->vertices + corner[1], *s = r->vertices + corner[2];
+    span_of(first, last, p->v, q->v, s->v, r->rows);
     if (*first > *last)
         return false;
     *first /= r->band_rows;
     *last /= r->band_rows;
+    *away = (q->u - p->u) * (s->v - p->v) - (q->v - p->v) * (s->u - p->u) > 0;
     return true;
 }
 
-// Counts into first[b + 2], sums up, and lists: first[b + 1] runs from band b's begin to its end meanwhile.
+// Counts into first[l + 2], l = 2 band + away, sums up, and lists: first[l + 1] runs from list l's begin to its end meanwhile.
 static sheen_status list_bands(raster *r, sheen_err *err)
 {
-    int first, last;
+    const int n_lists = 2 * r->n_bands;
+    int first, last, away;
     for (size_t t = 0; t < r->mesh->n_triangles; t++)
-        if (bands_of(r, t, &first, &last))
+        if (bands_of(r, t, &first, &last, &away))
             for (int b = first; b <= last; b++)
-                r->first[b + 2]++;
-    for (int b = 2; b <= r->n_bands + 1; b++)
-        r->first[b] += r->first[b - 1];
-    const size_t total = r->first[r->n_bands + 1];
+                r->first[2 * b + away + 2]++;
+    for (int l = 2; l <= n_lists + 1; l++)
+        r->first[l] += r->first[l - 1];
+    const size_t total = r->first[n_lists + 1];
     r->listed = malloc((total ? total : 1) * sizeof *r->listed);
     if (!r->listed)
         return sheen_fail_memory(err, 4.0 * (double)total, "a picture's triangles");
     for (size_t t = 0; t < r->mesh->n_triangles; t++)
-        if (bands_of(r, t, &first, &last))
+        if (bands_of(r, t, &first, &last, &away))
             for (int b = first; b <= last; b++)
-                r->listed[r->first[b + 1]++] = (uint32_t)t;
+                r->listed[r->first[2 * b + away + 1]++] = (uint32_t)t;
     return SHEEN_OK;
 }
 
@@ -159,6 +165,53 @@ SHEEN_KERNEL_INLINE void draw_triangle(const raster *r, const band *to, uint32_t
             }
         }
     }
+}
+
+// The least inverse depth of every block of BLOCK x BLOCK samples, and fewer at the band's end.
+SHEEN_KERNEL_INLINE void find_least(const raster *r, const band *to)
+{
+    const int per_row = r->stride / BLOCK;
+    for (int y0 = to->row0; y0 < to->row1; y0 += BLOCK) {
+        float *least = to->least + (size_t)((y0 - to->row0) / BLOCK) * (size_t)per_row;
+        const int y1 = y0 + BLOCK < to->row1 ? y0 + BLOCK : to->row1;
+        for (int k = 0; k < per_row; k++) {
+            const float *from = to->inverse_z_m + (size_t)(y0 - to->row0) * (size_t)r->stride + k * BLOCK;
+            int32_t bits
+                [BLOCK]; // non-negative floats order like their bits, and gcc 12 makes no branch of integers
+            memcpy(bits, from, sizeof bits);
+            for (int y = y0 + 1; y < y1; y++) {
+                int32_t next[BLOCK];
+                from += r->stride;
+                memcpy(next, from, sizeof next);
+#pragma omp simd
+                for (int i = 0; i < BLOCK; i++)
+                    bits[i] = next[i] < bits[i] ? next[i] : bits[i];
+            }
+            int32_t all = bits[0];
+            for (int i = 1; i < BLOCK; i++)
+                all = bits[i] < all ? bits[i] : all;
+            memcpy(least + k, &all, sizeof all);
+        }
+    }
+}
+
+// Whether every sample that a triangle may cover sees a nearer one than its nearest corner. The margin is for the rounding of what is
+// interpolated; in a sliver's plane, where that could be more, a sample would be nearer than all corners by the error alone.
+SHEEN_KERNEL_INLINE int is_hidden(const raster *r, const band *to, uint32_t triangle)
+{
+    const uint32_t *corner = r->mesh->triangles + 3 * (size_t)triangle;
+    const vertex *p = r->vertices + corner[0], *q = r->vertices + corner[1], *s = r->vertices + corner[2];
+    int x0, x1, y0, y1;
+    span_of(&x0, &x1, p->u, q->u, s->u, r->columns);
+    span_of(&y0, &y1, p->v, q->v, s->v, to->row1);
+    y0 = y0 < to->row0 ? to->row0 : y0;
+    const float pq = p->w > q->w ? p->w : q->w, most = (pq > s->w ? pq : s->w) * 1.0001f;
+    const int per_row = r->stride / BLOCK;
+    for (int y = (y0 - to->row0) / BLOCK; y <= (y1 - to->row0) / BLOCK && y0 <= y1; y++)
+        for (int x = x0 / BLOCK; x <= x1 / BLOCK && x0 <= x1; x++)
+            if (!(to->least[(size_t)y * (size_t)per_row + (size_t)x] > most))
+                return 0;
+    return 1;
 }
 
 // The rays through a row: (dx, dy, 1) from the camera, dx = dx0 + x dx_step.
@@ -230,8 +283,13 @@ SHEEN_KERNEL_INLINE void draw_band(const raster *r, sheen_hit *hits, const band 
     const size_t n = (size_t)(to->row1 - to->row0) * (size_t)r->stride;
     memset(to->inverse_z_m, 0, n * sizeof *to->inverse_z_m);
     memset(to->triangle, 0xff, n * sizeof *to->triangle); // SHEEN_NO_HIT
-    for (size_t i = r->first[number]; i < r->first[number + 1]; i++)
+    const size_t *first = r->first + 2 * (size_t)number;
+    for (size_t i = first[0]; i < first[1]; i++)
         draw_triangle(r, to, r->listed[i]);
+    find_least(r, to);
+    for (size_t i = first[1]; i < first[2]; i++)
+        if (!is_hidden(r, to, r->listed[i]))
+            draw_triangle(r, to, r->listed[i]);
     for (int y = to->row0; y < to->row1; y++) {
         const size_t row = (size_t)(y - to->row0);
         make_row(r, hits + row * (size_t)r->columns, to->triangle + row * (size_t)r->stride, y);
@@ -270,10 +328,12 @@ sheen_status sheen_raster_bands_hits(const sheen_raster_bands *r, sheen_hit *hit
     to.inverse_z_m = aligned_alloc(
         64, n * sizeof *to.inverse_z_m); // whole vectors: none straddles two cache lines
     to.triangle = aligned_alloc(64, n * sizeof *to.triangle);
-    if (to.inverse_z_m && to.triangle)
+    to.least = malloc((n / BLOCK + (size_t)r->stride) * sizeof *to.least);
+    if (to.inverse_z_m && to.triangle && to.least)
         draw(r, hits, &to, number);
     else
         s = sheen_fail_memory(err, 8.0 * (double)n, "a picture's depths");
+    free(to.least);
     free(to.triangle);
     free(to.inverse_z_m);
     return s;
@@ -302,7 +362,7 @@ sheen_status sheen_raster_bands_new(sheen_raster_bands **out, const sheen_gbuffe
         r->stride = (r->columns + LANES - 1) / LANES * LANES;
         r->n_bands = (r->rows + band_rows - 1) / band_rows;
         r->vertices = malloc(mesh->n_vertices * sizeof *r->vertices);
-        r->first = calloc((size_t)r->n_bands + 2, sizeof *r->first);
+        r->first = calloc(2 * (size_t)r->n_bands + 2, sizeof *r->first);
     }
     if (!r || !r->vertices || !r->first) {
         s = sheen_fail_memory(err, 16.0 * (double)mesh->n_vertices, "a picture's vertices");
