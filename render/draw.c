@@ -8,6 +8,9 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#if defined(__x86_64__)
+#include <xmmintrin.h>
+#endif
 
 #include "base/parallel.h"
 #include "base/pose3.h"
@@ -16,7 +19,7 @@
 #include "render/first_hits.h"
 #include "render/shade.h"
 
-enum { DEFAULT_SAMPLES_PER_SIDE = 2, TILE_SAMPLES_PER_SIDE = 16, BAND_TILES = 2 };
+enum { DEFAULT_SAMPLES_PER_SIDE = 2, TILE_SAMPLES_PER_SIDE = 16, BAND_TILES = 2, STREAM_LEAST_PX = 64 };
 
 void sheen_layers_release(sheen_layers *l)
 {
@@ -70,6 +73,7 @@ typedef struct job {
     sheen_shading shading;
     int width_px; // of the picture
     int tile_px;  // pixels a side that are worked on together
+    bool composite_alone;
     atomic_int failed;
 } job;
 
@@ -120,12 +124,38 @@ static void put_pixels(const job *j, int x, int y, const sums *s, int n)
         holes[i] = s[i].holes * share;
 }
 
+// Writes n RGB pixels past the caches, which a picture's background would push everything else out of.
+#if defined(__x86_64__)
+static void stream(float *to, const float rgb[3], size_t n)
+{
+    for (; n && (uintptr_t)to % 16; n--, to += 3)
+        memcpy(to, rgb, 3 * sizeof *rgb);
+    const __m128 a = _mm_setr_ps(rgb[0], rgb[1], rgb[2], rgb[0]),
+                 b = _mm_setr_ps(rgb[1], rgb[2], rgb[0], rgb[1]),
+                 c = _mm_setr_ps(rgb[2], rgb[0], rgb[1], rgb[2]);
+    for (; n >= 4; n -= 4, to += 12) {
+        _mm_stream_ps(to, a);
+        _mm_stream_ps(to + 4, b);
+        _mm_stream_ps(to + 8, c);
+    }
+    for (; n; n--, to += 3)
+        memcpy(to, rgb, 3 * sizeof *rgb);
+    _mm_sfence(); // before another thread is told that it is there
+}
+#endif
+
 static void fill(sheen_image *layer, int y, int begin, int end, const float value[4])
 {
     const size_t n = (size_t)layer->n_channels, pixel_bytes = n * sizeof(float);
     if (begin >= end)
         return;
     float *first = sheen_image_at(layer, begin, y);
+#if defined(__x86_64__)
+    if (n == 3 && end - begin >= STREAM_LEAST_PX) {
+        stream(first, value, (size_t)(end - begin));
+        return;
+    }
+#endif
     memcpy(first, value, pixel_bytes);
     for (size_t done = 1, count = (size_t)(end - begin); done < count; done *= 2) // what is filled fills on
         memcpy(first + done * n, first, (done < count - done ? done : count - done) * pixel_bytes);
@@ -143,32 +173,83 @@ static void clear(const job *j, int y, int begin, int end)
             fill(layers[i], y, begin, end, layers[i] == &j->out->composite ? background : black);
 }
 
-// Pixels [x0, x0 + side) x [y0, y0 + side) of a band, cut to it.
-static void draw_tile(const job *j, const sheen_gbuffer *g, int x0, int y0)
-{
-    const int n = g->samples_per_side, side = j->tile_px;
-    const int width = g->width_px - x0 < side ? g->width_px - x0 : side;
-    const int height = g->height_px - y0 < side ? g->height_px - y0 : side;
+// Squares of side x side pixels of a band, cut to it, row after row.
+typedef struct square {
     sheen_tile tile;
-    sheen_tile_gather(&tile, g, x0 * n, y0 * n, side * n);
-    if (!tile.count) {
-        for (int y = 0; y < height; y++)
-            clear(j, g->y0_px + y0 + y, g->x0_px + x0, g->x0_px + x0 + width);
-        return;
-    }
-    sheen_tile_diffuse(&tile, &j->shading, g->p_camera_obj);
-    sheen_tile_specular(&tile, &j->shading, g->p_camera_obj);
-    sums pixels[TILE_SAMPLES_PER_SIDE * TILE_SAMPLES_PER_SIDE];
-    memset(pixels, 0, (size_t)(side * side) * sizeof *pixels);
-    for (int i = 0; i < tile.count; i++)
-        add_sample(pixels + (unsigned)tile.y[i] / (unsigned)n * (unsigned)side +
-                       (unsigned)tile.x[i] / (unsigned)n,
-                   &tile, i, j->options);
-    for (int y = 0; y < height; y++)
-        put_pixels(j, g->x0_px + x0, g->y0_px + y0 + y, pixels + y * side, width);
+    int x0, y0, width, height; // pixels of the band
+} square;
+
+// Collects the samples of square number i, and asks the memory for their colours.
+static void prepare_square(square *q, const job *j, const sheen_gbuffer *g, int i)
+{
+    const int n = g->samples_per_side, side = j->tile_px, per_row = (g->width_px + side - 1) / side;
+    q->x0 = i % per_row * side;
+    q->y0 = i / per_row * side;
+    q->width = g->width_px - q->x0 < side ? g->width_px - q->x0 : side;
+    q->height = g->height_px - q->y0 < side ? g->height_px - q->y0 : side;
+    sheen_tile_gather(&q->tile, g, q->x0 * n, q->y0 * n, side * n);
+    sheen_texture_ask(&j->shading.model->texture, q->tile.hits, (size_t)q->tile.count);
 }
 
-// Bands of the picture, tile after tile while the hits are in the cache.
+// A composite alone, of one sample a pixel. (x, y): the square's first pixel.
+static void put_samples(const job *j, const square *q, int x, int y)
+{
+    const sheen_tile *tile = &q->tile;
+    const sheen_draw_options *o = j->options;
+    const size_t stride = 3 * (size_t)j->width_px;
+    float *first = sheen_image_at(&j->out->composite, x, y);
+    for (int row = 0; row < q->height && tile->count < q->width * q->height; row++)
+        clear(j, y + row, x, x + q->width);
+    for (int i = 0; i < tile->count; i++) {
+        const float *diffuse = tile->hole[i] && o->mark_holes ? o->hole_rgb : tile->diffuse[i];
+        const float *specular = tile->specular[i];
+        float *to = first + tile->y[i] * stride + 3 * (size_t)tile->x[i];
+        to[0] = diffuse[0] + specular[0];
+        to[1] = diffuse[1] + specular[1];
+        to[2] = diffuse[2] + specular[2];
+    }
+}
+
+static void draw_square(const job *j, const sheen_gbuffer *g, square *q)
+{
+    const unsigned n = (unsigned)g->samples_per_side, side = (unsigned)j->tile_px;
+    const int x = g->x0_px + q->x0, y = g->y0_px + q->y0;
+    sheen_tile *tile = &q->tile;
+    if (!tile->count) {
+        for (int row = 0; row < q->height; row++)
+            clear(j, y + row, x, x + q->width);
+        return;
+    }
+    sheen_tile_diffuse(tile, &j->shading, g->p_camera_obj);
+    sheen_tile_specular(tile, &j->shading, g->p_camera_obj);
+    if (n == 1 && j->composite_alone) {
+        put_samples(j, q, x, y);
+        return;
+    }
+    sums pixels[TILE_SAMPLES_PER_SIDE * TILE_SAMPLES_PER_SIDE];
+    memset(pixels, 0, side * side * sizeof *pixels);
+    for (int i = 0; i < tile->count; i++)
+        add_sample(pixels + tile->y[i] / n * side + tile->x[i] / n, tile, i, j->options);
+    for (int row = 0; row < q->height; row++)
+        put_pixels(j, x, y + row, pixels + (unsigned)row * side, q->width);
+}
+
+// While one square is worked on, the memory fetches the next one's colours.
+static void draw_squares(const job *j, const sheen_gbuffer *g)
+{
+    const int side = j->tile_px;
+    const int n = (g->width_px + side - 1) / side * ((g->height_px + side - 1) / side);
+    square squares[2];
+    if (n)
+        prepare_square(&squares[0], j, g, 0);
+    for (int i = 0; i < n; i++) {
+        if (i + 1 < n)
+            prepare_square(&squares[(i + 1) % 2], j, g, i + 1);
+        draw_square(j, g, &squares[i % 2]);
+    }
+}
+
+// Bands of the picture, square after square while the hits are in the cache.
 static void draw_bands(void *self, size_t begin, size_t end)
 {
     job *j = self;
@@ -182,9 +263,7 @@ static void draw_bands(void *self, size_t begin, size_t end)
             atomic_store(&j->failed, 1);
             break;
         }
-        for (int y = 0; y < band.height_px; y += j->tile_px)
-            for (int x = 0; x < band.width_px; x += j->tile_px)
-                draw_tile(j, &band, x, y);
+        draw_squares(j, &band);
     }
     free(hits);
 }
@@ -254,6 +333,7 @@ sheen_status sheen_redraw(sheen_layers *layers, const sheen_drawing *d, const sh
     if (!s) {
         job j = {
             .first_hits = &f, .options = o, .out = layers, .width_px = cam->width_px, .tile_px = tile_px};
+        j.composite_alone = o->layers == SHEEN_LAYER_COMPOSITE;
         atomic_init(&j.failed, 0);
         sheen_shading_init(&j.shading, d->model, d->scene, d->cells, &d->lamps, rt_world_obj);
         sheen_parallel_for((size_t)cam->height_px, 16, o->n_threads, clear_rows, &j);

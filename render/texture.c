@@ -13,7 +13,7 @@
 #include "base/cpu_level.h"
 #include "base/vec.h"
 
-enum { LANES = 16, AT_ONCE = 16 };
+enum { LANES = 16 };
 
 sheen_status sheen_texture_init(sheen_texture *t, size_t n_triangles, int texels_per_edge, sheen_err *err)
 {
@@ -26,7 +26,7 @@ sheen_status sheen_texture_init(sheen_texture *t, size_t n_triangles, int texels
     const size_t n = n_triangles * sheen_texels_per_triangle(texels_per_edge);
     t->texels_per_edge = texels_per_edge;
     t->n_triangles = n_triangles;
-    t->rgb = calloc(n, 3 * sizeof *t->rgb);
+    t->rgb = calloc(3 * n + 1, sizeof *t->rgb); // texels are read four floats at a time
     t->n_views = calloc(n, sizeof *t->n_views);
     if (!t->rgb || !t->n_views) {
         sheen_texture_release(t);
@@ -185,48 +185,62 @@ SHEEN_KERNEL_INLINE void cells_at(cells *out, int T, const sheen_hit *hits)
     }
 }
 
-// Asks the memory for the texels of LANES hits: a texture is larger than the caches, and by the time that the last are asked for
-// the first are there.
-SHEEN_KERNEL_INLINE void ask_for(const sheen_texture *t, const cells *c, const sheen_hit *hits,
-                                 size_t per_triangle)
+// A texel and the float behind it.
+typedef float quad __attribute__((vector_size(16)));
+
+SHEEN_KERNEL_INLINE quad texel_at(const float *rgb, size_t texel)
 {
-    for (size_t k = 0; k < LANES; k++) {
-        const size_t first = hits[k].triangle * per_triangle;
-        __builtin_prefetch(t->rgb + 3 * (first + (size_t)c->texel[1][k]));
-        __builtin_prefetch(t->rgb + 3 * (first + (size_t)c->texel[2][k]));
-        __builtin_prefetch(t->n_views + first + (size_t)c->texel[1][k]);
-    }
+    quad q;
+    memcpy(&q, rgb + 3 * texel, sizeof q);
+    return q;
 }
 
-// At most AT_ONCE vectors of LANES hits.
-SHEEN_KERNEL_INLINE void samples_of(float *rgb, float *seen, const sheen_texture *t, const sheen_hit *hits,
-                                    size_t n_vectors)
+// sample_cell where there is room for four floats.
+SHEEN_KERNEL_INLINE float sample_quad(const sheen_texture *t, const size_t texel[3], const float weight[3],
+                                      float *rgb)
 {
-    const size_t per_triangle = sheen_texels_per_triangle(t->texels_per_edge);
-    cells c[AT_ONCE];
-    for (size_t i = 0; i < n_vectors; i++) {
-        cells_at(&c[i], t->texels_per_edge, hits + LANES * i);
-        ask_for(t, &c[i], hits + LANES * i, per_triangle);
-    }
-    for (size_t i = 0; i < LANES * n_vectors; i++) {
-        const cells *at = &c[i / LANES];
-        const size_t k = i % LANES, first = hits[i].triangle * per_triangle;
-        const size_t texel[3] = {first + (size_t)at->texel[0][k], first + (size_t)at->texel[1][k],
-                                 first + (size_t)at->texel[2][k]};
-        const float weight[3] = {at->weight[0][k], at->weight[1][k], at->weight[2][k]};
-        seen[i] = sample_cell(t, texel, weight, rgb + 3 * i);
-    }
+    const uint8_t *views = t->n_views;
+    if (!views[texel[0]] || !views[texel[1]] || !views[texel[2]])
+        return mean_of_seen(t, texel, weight, rgb);
+    const quad mean = weight[0] * texel_at(t->rgb, texel[0]) + weight[1] * texel_at(t->rgb, texel[1]) +
+                      weight[2] * texel_at(t->rgb, texel[2]);
+    memcpy(rgb, &mean, sizeof mean);
+    return 1;
 }
 
 SHEEN_KERNEL_INLINE void samples(float *rgb, float *seen, const sheen_texture *t, const sheen_hit *hits,
                                  size_t n)
 {
-    const size_t n_vectors = n / LANES;
-    for (size_t i = 0; i < n_vectors; i += AT_ONCE)
-        samples_of(rgb + 3 * LANES * i, seen + LANES * i, t, hits + LANES * i,
-                   n_vectors - i < AT_ONCE ? n_vectors - i : AT_ONCE);
-    for (size_t i = n_vectors * LANES; i < n; i++)
+    const size_t per_triangle = sheen_texels_per_triangle(t->texels_per_edge), whole = n / LANES * LANES;
+    for (size_t begin = 0; begin < whole; begin += LANES) {
+        cells c;
+        cells_at(&c, t->texels_per_edge, hits + begin);
+        for (size_t k = 0; k < LANES; k++) {
+            const size_t i = begin + k, first = hits[i].triangle * per_triangle;
+            const size_t texel[3] = {first + (size_t)c.texel[0][k], first + (size_t)c.texel[1][k],
+                                     first + (size_t)c.texel[2][k]};
+            const float weight[3] = {c.weight[0][k], c.weight[1][k], c.weight[2][k]};
+            seen[i] = i + 1 < n
+                          ? sample_quad(t, texel, weight, rgb + 3 * i) // the next one overwrites the fourth
+                          : sample_cell(t, texel, weight, rgb + 3 * i);
+        }
+    }
+    for (size_t i = whole; i < n; i++)
         seen[i] = sheen_texture_sample(t, &hits[i], rgb + 3 * i);
+}
+
+// A cell's texels of one row, and that of the next, are neighbours. The places need not be exact.
+void sheen_texture_ask(const sheen_texture *t, const sheen_hit *hits, size_t n)
+{
+    const int T = t->texels_per_edge;
+    const size_t per_triangle = sheen_texels_per_triangle(T);
+    for (size_t k = 0; k < n; k++) {
+        const int i = (int)(hits[k].b1 * (float)(T - 1)), j = (int)(hits[k].b2 * (float)(T - 1));
+        const size_t texel = hits[k].triangle * per_triangle + (size_t)(j * T - j * (j - 1) / 2 + i);
+        __builtin_prefetch(t->rgb + 3 * texel);
+        __builtin_prefetch(t->rgb + 3 * (texel + (size_t)(T - j)));
+        __builtin_prefetch(t->n_views + texel);
+    }
 }
 
 static void samples_baseline(float *rgb, float *seen, const sheen_texture *t, const sheen_hit *hits, size_t n)

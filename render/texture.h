@@ -25,7 +25,7 @@ enum { SHEEN_TEXTURE_MIN_EDGE = 2, SHEEN_TEXTURE_MAX_EDGE = 64 };
 typedef struct sheen_texture {
     int texels_per_edge; // T
     size_t n_triangles;
-    float *rgb;       // [n_triangles * T(T+1)/2][3]
+    float *rgb;       // [n_triangles * T(T+1)/2][3], and one float more that may be read but means nothing
     uint8_t *n_views; // [n_triangles * T(T+1)/2] photographs that saw it (255: or more); 0: never seen
 } sheen_texture;
 
@@ -61,6 +61,8 @@ float sheen_texture_sample(const sheen_texture *t, const sheen_hit *hit, float r
 
 // The same of n hits: rgb[n][3], seen[n].
 void sheen_texture_samples(float *rgb, float *seen, const sheen_texture *t, const sheen_hit *hits, size_t n);
+// Asks the memory for what they will read, some while before: a texture is larger than the caches.
+void sheen_texture_ask(const sheen_texture *t, const sheen_hit *hits, size_t n);
 // The same at a given level of instruction set up to sheen_cpu_level().
 void sheen_texture_samples_level(float *rgb, float *seen, const sheen_texture *t, const sheen_hit *hits,
                                  size_t n, int level);
