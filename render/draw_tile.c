@@ -20,12 +20,20 @@
 // Light to which a sample's sum must agree with the single sum: a fiftieth of an 8-bit step.
 #define TOLERANCE_LIN 1e-4f
 
-// Morton's order of 16 x 16: x has the even bits of a number, y the odd ones. A smaller square comes first.
-static inline void morton(unsigned *x, unsigned *y, unsigned i)
-{
-    *x = (i & 1) | (i >> 1 & 2) | (i >> 2 & 4) | (i >> 3 & 8);
-    *y = (i >> 1 & 1) | (i >> 2 & 2) | (i >> 3 & 4) | (i >> 4 & 8);
-}
+// Places of a square in Morton's order of 16 x 16: x has the even bits of a number, y the odd ones. A smaller square comes first.
+typedef struct place {
+    uint8_t x, y;
+} place;
+
+#define MORTON_X(i) (((i)&1) | ((i) >> 1 & 2) | ((i) >> 2 & 4) | ((i) >> 3 & 8))
+#define PLACE(i)                                                                                             \
+    {                                                                                                        \
+        MORTON_X(i), MORTON_X((i) >> 1)                                                                      \
+    }
+#define PLACES_4(i) PLACE(i), PLACE((i) + 1), PLACE((i) + 2), PLACE((i) + 3)
+#define PLACES_16(i) PLACES_4(i), PLACES_4((i) + 4), PLACES_4((i) + 8), PLACES_4((i) + 12)
+#define PLACES_64(i) PLACES_16(i), PLACES_16((i) + 16), PLACES_16((i) + 32), PLACES_16((i) + 48)
+static const place places[SHEEN_TILE_SAMPLES] = {PLACES_64(0), PLACES_64(64), PLACES_64(128), PLACES_64(192)};
 
 void sheen_tile_gather(sheen_tile *tile, const sheen_gbuffer *g, int x0, int y0, int side)
 {
@@ -33,22 +41,21 @@ void sheen_tile_gather(sheen_tile *tile, const sheen_gbuffer *g, int x0, int y0,
     const unsigned width = (unsigned)(columns - x0 < side ? columns - x0 : side),
                    height = (unsigned)(rows - y0 < side ? rows - y0 : side);
     const sheen_hit *first = g->hits + (size_t)y0 * (size_t)columns + (size_t)x0;
-    int count = 0;
-    unsigned n = 1;
+    unsigned count = 0, n = 1;
     while (n < (unsigned)(side * side)) // the next square of a power of two
         n *= 4;
+    const int whole = width * height == n;
     for (unsigned i = 0; i < n; i++) {
-        unsigned x, y;
-        morton(&x, &y, i);
-        if (x >= width || y >= height)
+        const place at = places[i];
+        if (!whole && (at.x >= width || at.y >= height))
             continue;
-        const sheen_hit *hit = first + (size_t)y * (size_t)columns + x;
+        const sheen_hit *hit = first + (size_t)at.y * (size_t)columns + at.x;
         tile->hits[count] = *hit; // overwritten by the next if it is none
-        tile->x[count] = (uint8_t)x;
-        tile->y[count] = (uint8_t)y;
+        tile->x[count] = at.x;
+        tile->y[count] = at.y;
         count += hit->triangle != SHEEN_NO_HIT;
     }
-    tile->count = count;
+    tile->count = (int)count;
 }
 
 // Where the object turned, its texture is an albedo; so is what holes were filled with.
@@ -216,15 +223,56 @@ static void mend_outline(sheen_lobe_block *b, bool dark[SHEEN_TILE_SAMPLES],
     }
 }
 
-static void turn_to_world(float *x, float *y, float *z, int n, const float R[3][3])
+// Normals and directions from frame obj to world.
+SHEEN_KERNEL_INLINE void turn_body(sheen_lobe_block *b, const float R_world_obj[3][3])
 {
+    const float r00 = R_world_obj[0][0], r01 = R_world_obj[0][1], r02 = R_world_obj[0][2];
+    const float r10 = R_world_obj[1][0], r11 = R_world_obj[1][1], r12 = R_world_obj[1][2];
+    const float r20 = R_world_obj[2][0], r21 = R_world_obj[2][1], r22 = R_world_obj[2][2];
 #pragma omp simd
-    for (int i = 0; i < n; i++) {
-        const float a = x[i], b = y[i], c = z[i];
-        x[i] = R[0][0] * a + R[0][1] * b + R[0][2] * c;
-        y[i] = R[1][0] * a + R[1][1] * b + R[1][2] * c;
-        z[i] = R[2][0] * a + R[2][1] * b + R[2][2] * c;
+    for (int i = 0; i < b->count; i++) {
+        const float nx = b->nx[i], ny = b->ny[i], nz = b->nz[i];
+        const float vx = b->vx[i], vy = b->vy[i], vz = b->vz[i];
+        b->nx[i] = r00 * nx + r01 * ny + r02 * nz;
+        b->ny[i] = r10 * nx + r11 * ny + r12 * nz;
+        b->nz[i] = r20 * nx + r21 * ny + r22 * nz;
+        b->vx[i] = r00 * vx + r01 * vy + r02 * vz;
+        b->vy[i] = r10 * vx + r11 * vy + r12 * vz;
+        b->vz[i] = r20 * vx + r21 * vy + r22 * vz;
     }
+}
+
+static void turn_baseline(sheen_lobe_block *b, const float R_world_obj[3][3])
+{
+    turn_body(b, R_world_obj);
+}
+
+#if defined(__x86_64__)
+SHEEN_TARGET_AVX512 static void turn_avx512(sheen_lobe_block *b, const float R_world_obj[3][3])
+{
+    turn_body(b, R_world_obj);
+}
+
+SHEEN_TARGET_AVX2 static void turn_avx2(sheen_lobe_block *b, const float R_world_obj[3][3])
+{
+    turn_body(b, R_world_obj);
+}
+#endif
+
+static void turn_to_world(sheen_lobe_block *b, const float R_world_obj[3][3])
+{
+#if defined(__x86_64__)
+    const int level = sheen_cpu_level();
+    if (level >= SHEEN_CPU_AVX512) {
+        turn_avx512(b, R_world_obj);
+        return;
+    }
+    if (level == SHEEN_CPU_AVX2) {
+        turn_avx2(b, R_world_obj);
+        return;
+    }
+#endif
+    turn_baseline(b, R_world_obj);
 }
 
 // With shadows, and what is mirrored besides the lights.
@@ -260,8 +308,7 @@ static void shade_together(sheen_tile *tile, sheen_lobe_block *b, const bool *da
         rgb[c] = (float)(s->model->k_s * s->model->light_rgb[c]);
         most = fmaxf(most, rgb[c]);
     }
-    turn_to_world(b->nx, b->ny, b->nz, b->count, s->R_world_obj);
-    turn_to_world(b->vx, b->vy, b->vz, b->count, s->R_world_obj);
+    turn_to_world(b, s->R_world_obj);
     sheen_lobe_block_sum(b, s->cells, TOLERANCE_LIN / fmaxf(most, 1e-6f));
     for (int i = 0; i < tile->count; i++) {
         const float sum = dark[i] ? 0 : b->sum[i];

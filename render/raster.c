@@ -76,40 +76,47 @@ SHEEN_KERNEL_INLINE void span_of(int *first, int *last, float a, float b, float 
     *last = to < -1 ? -1 : to < count ? to : count - 1;
 }
 
-// The bands that a triangle's rows are in; false where it covers no sample's row. away: it turns clockwise in the picture.
-static bool bands_of(const raster *r, size_t triangle, int *first, int *last, int *away)
+// The lists that a triangle stands in, 2 band + away: the first, and how many (every other one). away: it turns clockwise in the
+// picture. In none where it covers no sample's row.
+typedef struct places {
+    uint32_t list, count;
+} places;
+
+static places places_of(const raster *r, size_t triangle)
 {
     const uint32_t *corner = r->mesh->triangles + 3 * triangle;
     const vertex *p = r->vertices + corner[0], *q = r->vertices + corner[1], *s = r->vertices + corner[2];
-    span_of(first, last, p->v, q->v, s->v, r->rows);
-    if (*first > *last)
-        return false;
-    *first /= r->band_rows;
-    *last /= r->band_rows;
-    *away = (q->u - p->u) * (s->v - p->v) - (q->v - p->v) * (s->u - p->u) > 0;
-    return true;
+    int first, last;
+    span_of(&first, &last, p->v, q->v, s->v, r->rows);
+    if (first > last)
+        return (places){0};
+    const bool away = (q->u - p->u) * (s->v - p->v) - (q->v - p->v) * (s->u - p->u) > 0;
+    const int above = first / r->band_rows, count = last / r->band_rows - above + 1;
+    return (places){2 * (uint32_t)above + (away ? 1 : 0), (uint32_t)count};
 }
 
-// Counts into first[l + 2], l = 2 band + away, sums up, and lists: first[l + 1] runs from list l's begin to its end meanwhile.
+// Counts into first[list + 2], sums up, and lists: first[list + 1] runs from the list's begin to its end meanwhile.
 static sheen_status list_bands(raster *r, sheen_err *err)
 {
+    const size_t n = r->mesh->n_triangles;
     const int n_lists = 2 * r->n_bands;
-    int first, last, away;
-    for (size_t t = 0; t < r->mesh->n_triangles; t++)
-        if (bands_of(r, t, &first, &last, &away))
-            for (int b = first; b <= last; b++)
-                r->first[2 * b + away + 2]++;
+    places *of = malloc((n ? n : 1) * sizeof *of);
+    if (!of)
+        return sheen_fail_memory(err, 8.0 * (double)n, "a picture's triangles");
+    for (size_t t = 0; t < n; t++) {
+        of[t] = places_of(r, t);
+        for (uint32_t k = 0; k < of[t].count; k++)
+            r->first[of[t].list + 2 * k + 2]++;
+    }
     for (int l = 2; l <= n_lists + 1; l++)
         r->first[l] += r->first[l - 1];
     const size_t total = r->first[n_lists + 1];
     r->listed = malloc((total ? total : 1) * sizeof *r->listed);
-    if (!r->listed)
-        return sheen_fail_memory(err, 4.0 * (double)total, "a picture's triangles");
-    for (size_t t = 0; t < r->mesh->n_triangles; t++)
-        if (bands_of(r, t, &first, &last, &away))
-            for (int b = first; b <= last; b++)
-                r->listed[r->first[2 * b + away + 1]++] = (uint32_t)t;
-    return SHEEN_OK;
+    for (size_t t = 0; r->listed && t < n; t++)
+        for (uint32_t k = 0; k < of[t].count; k++)
+            r->listed[r->first[of[t].list + 2 * k + 1]++] = (uint32_t)t;
+    free(of);
+    return r->listed ? SHEEN_OK : sheen_fail_memory(err, 4.0 * (double)total, "a picture's triangles");
 }
 
 // e(u, v) = a u + (b v + c): 0 on the line through two vertices, positive on the triangle's side of it.

@@ -158,6 +158,15 @@ static void drawing_and_tracing_agree(void **state)
     w.mesh.n_triangles = n;
     assert_ok(sheen_scene_new(&w.scene, &w.mesh, &err), err);
     drawn_agrees_with_traced(&w, 2);
+    for (size_t t = 0; t < n;
+         t += 2) { // half of them turned over: what faces away hides as well as is hidden
+        uint32_t *corner = w.mesh.triangles + 3 * t, first = corner[0];
+        corner[0] = corner[1];
+        corner[1] = first;
+    }
+    sheen_scene_free(&w.scene);
+    assert_ok(sheen_scene_new(&w.scene, &w.mesh, &err), err);
+    drawn_agrees_with_traced(&w, 2);
     free_world(&w);
 }
 
