@@ -19,10 +19,10 @@ enum { IRRADIANCE_EDGE = 6 };
 
 static const double pi = 3.14159265358979323846;
 
-const char *const exact_scene_names[] = {"far",     "near",     "sphere",    "sigma-.0114", "sigma-.1",
-                                         "noise",   "discs",    "coloured",  "ggx",         "k_s-map",
-                                         "matte",   "metal",    "saturated", "pose",        "pose-1.5",
-                                         "normals", "embossed", "drift",     "everything",  NULL};
+const char *const exact_scene_names[] = {
+    "far",      "near",    "sphere",     "sigma-.0114", "sigma-.1",  "noise", "discs",    "coloured",
+    "ggx",      "k_s-map", "matte",      "metal",       "saturated", "pose",  "pose-1.5", "normals",
+    "embossed", "drift",   "everything", "metal-room",  "room",      NULL};
 
 static int is(const char *name, const char *scene)
 {
@@ -45,9 +45,11 @@ int exact_scene_options(exact_options *out, const char *name, uint64_t seed)
                            .coloured = is(name, "coloured") || all,
                            .k_s_map = is(name, "k_s-map") || all,
                            .matte = is(name, "matte"),
-                           .metal = is(name, "metal"),
+                           .metal = is(name, "metal") || is(name, "metal-room"),
+                           .room = is(name, "metal-room") || is(name, "room") ? 0.5 : 0,
                            .sigma_rad = is(name, "sigma-.0114") ? 0.0114
-                                        : is(name, "sigma-.1") || is(name, "embossed") || is(name, "metal")
+                                        : is(name, "sigma-.1") || is(name, "embossed") || is(name, "metal") ||
+                                                is(name, "metal-room")
                                             ? 0.1
                                             : 0.03,
                            .ggx_alpha = is(name, "ggx") || all ? 0.06 : 0,
@@ -94,12 +96,27 @@ static void lay_out_lights(exact_scene *s, uint64_t *seed)
     }
 }
 
+// By a seed of its own, so that lights and paint are those of the same layout without a room.
+static void furnish(exact_scene *s)
+{
+    uint64_t seed = 5000 + 31 * s->o.seed;
+    const double az = 2 * pi * test_random(&seed);
+    s->room_side_world[0] = cos(az);
+    s->room_side_world[1] = sin(az);
+    s->room_side_world[2] = 0;
+    for (int c = 0; c < 3; c++)
+        s->room_rgb[c] = s->o.room * (0.8 + 0.4 * test_random(&seed));
+}
+
 static void paint(exact_scene *s, uint64_t *seed)
 {
     static const double levels[3] = {1, 0.5, 0.2};
     for (int i = 0; i < EXACT_COLOURS; i++) {
-        for (int c = 0; c < 3; c++)
-            s->albedo[i][c] = (0.06 + 0.6 * test_random(seed)) * (s->o.metal ? 0 : 1);
+        for (int c = 0; c < 3; c++) {
+            const double colour = 0.06 + 0.6 * test_random(seed);
+            s->albedo[i][c] = s->o.metal ? 0 : colour;
+            s->tint[i][c] = s->o.metal && s->o.room > 0 ? 0.3 + colour : 1;
+        }
         s->k_s[i] = s->o.matte ? 0 : s->o.k_s_map ? levels[i % 3] : 1;
     }
     for (int i = 0; i < EXACT_CELLS; i++) {
@@ -204,6 +221,32 @@ static void irradiate(void *self, size_t begin, size_t end)
     }
 }
 
+// Added: the room in the mirror direction, where no other part of the object is before it, by Schlick's term.
+static void mirror_room(double specular[3], const stage *st, const float p[3], const float n[3],
+                        const float v[3], const double tint[3])
+{
+    const float cosine = sheen_dotf(n, v);
+    float from[3], target[3];
+    double above[3], L[3];
+    uint8_t blocked;
+    if (!(st->s->o.room > 0) || !(cosine > 0))
+        return;
+    for (int k = 0; k < 3; k++) {
+        const float r = 2 * cosine * n[k] - v[k];
+        above[k] = (double)r;
+        from[k] = p[k] + 1e-4f * n[k];
+        target[k] = from[k] + 50 * r;
+    }
+    sheen_scene_occluded(st->scene, &blocked, from, 1, target, 1e-5f);
+    if (blocked)
+        return;
+    exact_room(L, st->s, above);
+    for (int c = 0; c < 3; c++) {
+        const double f0 = st->s->o.metal ? tint[c] : 0.04;
+        specular[c] += (f0 + (1 - f0) * pow(1 - fmin(1, (double)cosine), 5)) * L[c];
+    }
+}
+
 static void shade_hit(double diffuse[3], double specular[3], const stage *st, const sheen_hit *hit)
 {
     float p[3], n[3], v[3], E[3];
@@ -222,9 +265,10 @@ static void shade_hit(double diffuse[3], double specular[3], const stage *st, co
         exact_specular(specular, st->s, pd, nd, vd, hidden);
     }
     for (int c = 0; c < 3; c++) {
-        specular[c] *= st->s->k_s[colour];
+        specular[c] *= st->s->k_s[colour] * st->s->tint[colour][c];
         diffuse[c] = st->s->albedo[colour][c] * (double)E[c];
     }
+    mirror_room(specular, st, p, n, v, st->s->tint[colour]);
 }
 
 static void draw_rows(void *self, size_t begin, size_t end)
@@ -519,6 +563,7 @@ void exact_scene_make(exact_scene *out, const exact_options *o)
         test_figure(&mesh, 30, 0.078f, 0.024f);
     lay_out_lights(out, &seed);
     paint(out, &seed);
+    furnish(out);
     allocate(out);
     make_gains(out, &seed);
     copy_mesh(&out->mesh, &mesh);

@@ -23,6 +23,7 @@ typedef struct exact_options {
     int coloured, k_s_map; // k_s_map: 1, 0.5 or 0.2 by colour of paint
     int matte;             // k_S 0: lights brighten the paint, and nothing shines
     int metal;             // no diffuse part: all light is reflected at the surface
+    double room;           // > 0: a smooth room this bright is mirrored (exact_room), and a metal has a tint
     double sigma_rad;      // of eq. (7)
     double ggx_alpha;      // > 0: GGX of this roughness with F0 = 0.04 instead of eq. (7)
     double brightness;     // times the lights' strength; 0: 1. 2.5 clips highlights
@@ -53,6 +54,8 @@ typedef struct exact_scene {
     float cell_obj[EXACT_CELLS][3];
     int cell_colour[EXACT_CELLS];
     double albedo[EXACT_COLOURS][3], k_s[EXACT_COLOURS];
+    double tint[EXACT_COLOURS][3]; // of a metal in a room: its reflectance straight on; else 1
+    double room_side_world[3], room_rgb[3];
     sheen_mesh mesh;            // as handed to the fit
     sheen_photos inputs, tests; // tests: clean, true poses, exposure 1
     double (*rt_cam_obj)[6];    // [inputs.count] true poses
@@ -72,6 +75,9 @@ void exact_scene_release(exact_scene *s);
 // Specular light of a surface point for k_S = 1, without shadows of other parts (hidden[i] = 1: light i is hidden).
 void exact_specular(double rgb[3], const exact_scene *s, const double p[3], const double n[3],
                     const double v[3], const int hidden[EXACT_LIGHTS]);
+// Radiance that the room sends from a unit direction: none from below the horizon, whence it rises to the zenith, one side
+// twice as bright as the other. Neither spread by the lobe nor seen twice: another part of the object mirrors nothing.
+void exact_room(double rgb[3], const exact_scene *s, const double v_world[3]);
 // Which palette colour is painted at a point.
 int exact_colour(const exact_scene *s, const float p_obj[3]);
 

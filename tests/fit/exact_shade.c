@@ -77,6 +77,13 @@ static double point_term(double *alpha_rad, const exact_scene *s, const exact_li
     return falloff * (s->o.ggx_alpha > 0 ? ggx(n, v, l, h, s->o.ggx_alpha) : lobe(n, v, h, s->o.sigma_rad));
 }
 
+void exact_room(double rgb[3], const exact_scene *s, const double v_world[3])
+{
+    const double up = fmax(0, v_world[2]), side = 1 + sheen_dot(v_world, s->room_side_world) / 3;
+    for (int c = 0; c < 3; c++)
+        rgb[c] = s->room_rgb[c] * up * side;
+}
+
 void exact_specular(double rgb[3], const exact_scene *s, const double p[3], const double n[3],
                     const double v[3], const int hidden[EXACT_LIGHTS])
 {
