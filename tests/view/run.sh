@@ -21,6 +21,7 @@ chromium=$(command -v chromium) || {
 }
 
 make_sessions() (
+    cp "$here"/*.mjs "$here"/*.js "$work" || exit 1 # once, here: the other steps may run at the same time
     rm -rf "$sessions"
     mkdir -p "$sessions/photos" "$sessions/figure" && cd "$sessions" || exit 1
     "$make_input" shiny photos 320 240 p0 p1 p2 p3 p4 p5 p6 &&
@@ -47,7 +48,7 @@ make_sessions() (
 page_test() {
     test=$1
     shift
-    cp "$here"/*.mjs "$here"/*.js "$work" && node "$work/$test.mjs" "$chromium" "$sheen" "$pages" "$@"
+    node "$work/$test.mjs" "$chromium" "$sheen" "$pages" "$@"
 }
 
 cd "$sessions" 2>/dev/null || [ "$step" = sessions ] || exit 1
