@@ -18,8 +18,6 @@ enum { LEAST_POINTS = 300 };
 static const double spacing_px[3] = {1.6, 0.8, 0.45}; // of the Gaussian's taps, coarse to fine
 static const int rounds[3] = {5, 4, 5};
 static const size_t strides[3] = {4, 4, 1}; // a part of the points finds the way; all of them the end of it
-// What is refined must lower the disagreement to this share. Gains more so: what all views mirror differently looks like them.
-static const double worth_poses = 0.98, worth_gains = 0.9;
 
 // Robust scale on the points that were left out, finely sampled.
 static sheen_status left_out(sheen_align_state *st, double *error, sheen_err *err)
@@ -152,40 +150,32 @@ static void hand_out(sheen_photos *photos, const sheen_align_result *r, const sh
         sheen_rt_from_Rt(photos->photos[v].rt_cam_obj, &st->views[v].Rt_cam_obj);
 }
 
-// Keeps what `st` holds where it lowers the disagreement of the points left out by enough and, where it is poses, can be
-// believed; else goes back.
+typedef sheen_status believable_of(int *believable, sheen_align_state *, const sheen_align_pose *given,
+                                   sheen_err *);
+
+// Keeps what `st` holds where the points left out say so; else goes back. *error: their disagreement then.
 static sheen_status decide(int *kept, double *error, sheen_align_state *st, const sheen_align_pose *before,
-                           int of_poses, sheen_err *err)
+                           believable_of *believable, sheen_err *err)
 {
-    double now;
-    sheen_status s = left_out(st, &now, err);
-    if (s)
+    sheen_status s = left_out(st, error, err);
+    if (s || (s = believable(kept, st, before, err)) || *kept)
         return s;
-    *kept = now < (of_poses ? worth_poses : worth_gains) * *error;
-    if (*kept && of_poses && (s = sheen_align_believable(kept, st, before, err)))
-        return s;
-    if (*kept)
-        *error = now;
-    else
-        memcpy(st->views, before, st->n_views * sizeof *before);
-    return SHEEN_OK;
+    memcpy(st->views, before, st->n_views * sizeof *before);
+    return left_out(st, error, err);
 }
 
 // With the poses found, are the gains still worth having? Poses that are off can look like gains that differ.
-static sheen_status reconsider_gains(sheen_align_result *out, sheen_align_state *st, sheen_align_pose *with,
-                                     sheen_err *err)
+static sheen_status reconsider_gains(sheen_align_result *out, sheen_align_state *st,
+                                     sheen_align_pose *without, sheen_err *err)
 {
-    double without = 0;
-    memcpy(with, st->views, st->n_views * sizeof *with);
+    memcpy(without, st->views, st->n_views * sizeof *without);
     for (size_t v = 0; v < st->n_views; v++)
-        memset(st->views[v].log_gain, 0, sizeof st->views[v].log_gain);
-    const sheen_status s = left_out(st, &without, err);
-    out->gains_kept = out->error_after < worth_gains * without;
-    if (out->gains_kept)
-        memcpy(st->views, with, st->n_views * sizeof *with);
-    else
-        out->error_after = without;
-    return s;
+        memset(without[v].log_gain, 0, sizeof without[v].log_gain);
+    sheen_status s = sheen_align_gains_believable(&out->gains_kept, st, without, err);
+    if (s || out->gains_kept)
+        return s;
+    memcpy(st->views, without, st->n_views * sizeof *without);
+    return left_out(st, &out->error_after, err);
 }
 
 static sheen_status refine(sheen_align_result *out, sheen_align_state *st, sheen_align_pose *before,
@@ -197,12 +187,12 @@ static sheen_status refine(sheen_align_result *out, sheen_align_state *st, sheen
     if (!s && st->o->gains) {
         memcpy(before, st->views, size);
         if (!(s = refine_gains(st, 0, 6, err)) && !(s = refine_gains(st, 2, 3, err)))
-            s = decide(&out->gains_kept, &out->error_after, st, before, 0, err);
+            s = decide(&out->gains_kept, &out->error_after, st, before, sheen_align_gains_believable, err);
     }
     if (!s && st->o->poses) {
         memcpy(before, st->views, size);
         if (!(s = refine_poses(st, out->gains_kept, err)))
-            s = decide(&out->poses_kept, &out->error_after, st, before, 1, err);
+            s = decide(&out->poses_kept, &out->error_after, st, before, sheen_align_poses_believable, err);
     }
     return !s && out->gains_kept && out->poses_kept ? reconsider_gains(out, st, before, err) : s;
 }

@@ -70,9 +70,11 @@ sheen_status sheen_align_solve_gains(sheen_align_state *st, sheen_err *err);
 
 // rms motion of the object's points in the picture since the start.
 double sheen_align_moved_px(const sheen_align_pose *v);
-// Whether the poses in st can be better ones than `given`, by how far they went and how far they are agreed on. The
-// finest sampling, all points and the final gains must be in use. ENOMEM, ECANCEL.
-sheen_status sheen_align_believable(int *believable, sheen_align_state *st, const sheen_align_pose *given,
-                                    sheen_err *err);
+// Whether the poses, or the gains, in st can be better than the `given` ones, by how far they are agreed on and how far poses went. The
+// finest sampling and all points must be in use, for poses the final gains, for gains the present poses. ENOMEM, ECANCEL.
+sheen_status sheen_align_poses_believable(int *believable, sheen_align_state *st,
+                                          const sheen_align_pose *given, sheen_err *err);
+sheen_status sheen_align_gains_believable(int *believable, sheen_align_state *st,
+                                          const sheen_align_pose *given, sheen_err *err);
 
 #endif

@@ -85,6 +85,48 @@ static void exposures_come_back(void **state)
     exact_scene_release(&s);
 }
 
+// White balance that drifts while luminances hardly do.
+static void white_balance_comes_back(void **state)
+{
+    (void)state;
+    exact_options o;
+    exact_scene s;
+    sheen_align_result r;
+    exact_scene_options(&o, "far", 4);
+    o.size = 0.4;
+    o.white_balance = 0.05;
+    exact_scene_make(&s, &o);
+    align(&s, &r, &both);
+    const double worst_ev = worst_gain_error_ev(&s, &r);
+    print_message("white balance within %.4f EV\n", worst_ev);
+    assert_true(r.gains_kept);
+    assert_true(worst_ev < 0.01);
+    sheen_align_result_release(&r);
+    exact_scene_release(&s);
+}
+
+// A metal has no paint to agree on: what it mirrors can be made to, by other poses and exposures.
+static void right_ones_stay_on_a_metal(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 1; seed <= 3; seed++) {
+        exact_options o;
+        exact_scene s;
+        sheen_align_result r;
+        exact_scene_options(&o, "metal", seed);
+        o.size = 0.33;
+        exact_scene_make(&s, &o);
+        align(&s, &r, &both);
+        print_message("metal %d: poses off by %.2f px, exposures by %.3f EV\n", (int)seed,
+                      rms_pose_error_px(&s), worst_gain_error_ev(&s, &r));
+        assert_true(!r.gains_kept && !r.poses_kept);
+        assert_true(rms_pose_error_px(&s) < 0.01);
+        assert_true(worst_gain_error_ev(&s, &r) < 1e-6);
+        sheen_align_result_release(&r);
+        exact_scene_release(&s);
+    }
+}
+
 // What is right is left as it is, to a small part of a pixel.
 static void right_poses_stay(void **state)
 {
@@ -160,7 +202,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(poses_come_back),
         cmocka_unit_test(exposures_come_back),
+        cmocka_unit_test(white_balance_comes_back),
         cmocka_unit_test(right_poses_stay),
+        cmocka_unit_test(right_ones_stay_on_a_metal),
         cmocka_unit_test(right_poses_stay_on_a_wrong_mesh),
         cmocka_unit_test(threads_do_not_change_the_result),
     };
